@@ -1,0 +1,132 @@
+"""What an acquisition yields: sampling, blocks of samples, and the closed recording."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import datetime
+from enum import IntFlag
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class SampleFlag(IntFlag):
+    """What is wrong with a sample; 0 is a good one."""
+
+    GOOD = 0
+    OVERLOAD = 1
+    NOT_A_NUMBER = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Identity:
+    """Who answered at an address (the four fields of `*IDN?`, or what stands for them)."""
+
+    manufacturer: str
+    model: str
+    serial_number: str
+    firmware: str = ""
+
+    @property
+    def simulated(self) -> bool:
+        """Whether this is a simulated instrument: its serial number says so."""
+        return self.serial_number.upper().startswith("SIM")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sampling:
+    """How a source really samples, read back from it.
+
+    `interval_s` between two samples; each sample is the mean of `readings` readings, every one of
+    which integrates for `aperture_s`. `readings == 1` and `aperture_s == interval_s` is gap-free.
+    `noise` is the source's own rms noise of one sample and `range` its range, both in `unit`;
+    None where not known.
+    """
+
+    interval_s: float
+    aperture_s: float
+    readings: int = 1
+    unit: str = "V"
+    channels: tuple[str, ...] = ("output",)
+    noise: float | None = None
+    range: float | None = None
+
+    @property
+    def effective_aperture_s(self) -> float:
+        """Time in each interval during which the signal is integrated, s."""
+        return min(self.readings * self.aperture_s, self.interval_s)
+
+    @property
+    def duty(self) -> float:
+        """Effective aperture over interval, 0 … 1."""
+        return self.effective_aperture_s / self.interval_s
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Block:
+    """Consecutive samples of a source.
+
+    `first` is the position of the first sample on the acquisition's grid (0-based); a jump between
+    blocks is a gap. `time_s` (n,) is the begin of each sample on the monotonic clock in seconds
+    since the acquisition's start; `values` (n, channels) in `Sampling.unit`; `flags` (n,)
+    `SampleFlag` as uint8.
+    """
+
+    first: int
+    time_s: NDArray[np.float64]
+    values: NDArray[np.float64]
+    flags: NDArray[np.uint8]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gap:
+    """Samples that are missing from a recording: `missing` of them after sample `after`."""
+
+    after: int
+    missing: int
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordingHeader:
+    """What is known before the first sample, kept inside the recording."""
+
+    run_id: str
+    item: str
+    attempt: int
+    serial_number: str
+    model: str
+    spec_sha256: str
+    started_utc: datetime
+    planned_samples: int
+    sampling: Sampling
+    source: Identity
+    meta: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Recording:
+    """A recording on disk. `path` is relative to the run's folder, with forward slashes."""
+
+    path: str
+    sha256: str | None
+    header: RecordingHeader
+    samples: int
+    complete: bool
+    gaps: tuple[Gap, ...] = ()
+    flagged: int = 0
+    largest_lateness_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Samples:
+    """A recording's samples in memory, as a procedure's `reduce` gets them.
+
+    `values` (n, channels), `index` (n,) positions on the grid; both read-only. `time_s` (n,) only
+    where the source's own time stamps count (a replayed file with a time column).
+    """
+
+    sampling: Sampling
+    values: NDArray[np.float64]
+    flags: NDArray[np.uint8]
+    index: NDArray[np.int64] | None = None
+    time_s: NDArray[np.float64] | None = None

@@ -1,0 +1,125 @@
+"""The run record: everything that a certificate is drawn from."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import datetime
+from enum import StrEnum
+
+from gyrotest.records.figure import Figure
+from gyrotest.records.recording import Identity, Recording
+from gyrotest.records.result import JudgedResult, Verdict
+from gyrotest.records.spec import SpecDocument
+from gyrotest.records.station import StationDocument
+
+SCHEMA_VERSION = 1
+
+
+class Outcome(StrEnum):
+    """How an attempt at an item ended."""
+
+    PASSED = "passed"
+    FAILED = "failed"
+    ERROR = "error"
+    SKIPPED = "skipped"
+    INTERRUPTED = "interrupted"
+
+
+class Origin(StrEnum):
+    """Where the samples came from."""
+
+    MEASURED = "measured"
+    SIMULATED = "simulated"
+    REPLAYED = "replayed"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InstrumentUse:
+    """An instrument of the station as it was found and used."""
+
+    name: str
+    driver: str
+    resource: str
+    identity: Identity
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Attempt:
+    """One try at an item: results where it was judged, a message where it was not."""
+
+    item: str
+    number: int
+    outcome: Outcome
+    started_utc: datetime
+    ended_utc: datetime
+    issued_utc: datetime
+    message: str = ""
+    origin: Origin | None = None
+    recording: Recording | None = None
+    instruments: tuple[InstrumentUse, ...] = ()
+    events: tuple[str, ...] = ()
+    results: tuple[JudgedResult, ...] = ()
+    figures: tuple[Figure, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlannedItem:
+    """An item that the run owes: an acquisition (`repeat` 1 …) or what is computed over repeats (None)."""
+
+    name: str
+    case: str
+    repeat: int | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ItemRecord:
+    """A planned item, every attempt at it, and why it is missing where it is."""
+
+    plan: PlannedItem
+    attempts: tuple[Attempt, ...] = ()
+    missing: str = ""
+
+    @property
+    def last(self) -> Attempt | None:
+        """The attempt that counts."""
+        return self.attempts[-1] if self.attempts else None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunHeader:
+    """What is known before the first sample."""
+
+    run_id: str
+    model: str
+    serial_number: str
+    started_utc: datetime
+    spec: SpecDocument
+    station: StationDocument
+    operator: str = ""
+    meta: Mapping[str, str] = field(default_factory=dict)
+    software: Mapping[str, str] = field(default_factory=dict)
+    command: str = ""
+    attempt: int = 1
+    earlier_runs: tuple[str, ...] = ()
+    resumed_from: str | None = None
+    deviations: tuple[str, ...] = ()
+    plan: tuple[PlannedItem, ...] = ()
+    slot: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunRecord:
+    """A run of one serial number; `results` lists every judged result of the items that count."""
+
+    schema_version: int
+    run_id: str
+    model: str
+    serial_number: str
+    verdict: Verdict
+    simulated: bool
+    replayed: bool
+    issued_utc: datetime
+    header: RunHeader
+    items: tuple[ItemRecord, ...]
+    results: tuple[JudgedResult, ...]
+    missing: tuple[str, ...] = ()
+    amends: str | None = None
