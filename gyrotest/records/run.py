@@ -44,7 +44,11 @@ class InstrumentUse:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Attempt:
-    """One try at an item: results where it was judged, a message where it was not."""
+    """One try at an item: results where it was judged, a message where it was not.
+
+    `events` are faults that were overcome and other remarks; `truth` holds a simulated unit's true
+    parameters (names with their units, e.g. `turn_on_bias_dps`), empty on a real bench.
+    """
 
     item: str
     number: int
@@ -57,6 +61,7 @@ class Attempt:
     recording: Recording | None = None
     instruments: tuple[InstrumentUse, ...] = ()
     events: tuple[str, ...] = ()
+    truth: Mapping[str, float] = field(default_factory=dict)
     results: tuple[JudgedResult, ...] = ()
     figures: tuple[Figure, ...] = ()
 
