@@ -15,8 +15,9 @@ SCHEMA_VERSION = 1
 
 
 class Outcome(StrEnum):
-    """How an attempt at an item ended."""
+    """How an attempt at an item ended; `ACQUIRED`: recorded, and not judged yet."""
 
+    ACQUIRED = "acquired"
     PASSED = "passed"
     FAILED = "failed"
     ERROR = "error"
