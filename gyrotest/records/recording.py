@@ -31,6 +31,11 @@ class Identity:
         """Whether this is a simulated instrument: its serial number says so."""
         return self.serial_number.upper().startswith("SIM")
 
+    @property
+    def replayed(self) -> bool:
+        """Whether this is a recorded file that stands in for an instrument."""
+        return self.serial_number.startswith("REPLAY-")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sampling:

@@ -89,6 +89,16 @@ class ItemRecord:
         """The attempt that counts."""
         return self.attempts[-1] if self.attempts else None
 
+    @property
+    def failed(self) -> bool:
+        """Whether the attempt that counts failed without a limit's verdict (a user's own assertion)."""
+        last = self.last
+        return (
+            last is not None
+            and last.outcome is Outcome.FAILED
+            and not any(one.verdict not in (None, Verdict.PASS) for one in last.results)
+        )
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunHeader:

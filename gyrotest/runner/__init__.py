@@ -1,0 +1,1 @@
+"""The flow of a run, from the door to the certificate."""
