@@ -1,7 +1,7 @@
-"""Units and quantities: a strict `NUMBER UNIT` reader in front of pint's unit parser.
+"""Units and quantities: a strict `NUMBER UNIT` reader in front of pint.
 
-Pint never sees a user's number or expression: the number is read by one regular expression, the
-unit is tokenised here against a closed list of names and rewritten before pint resolves it.
+Pint never sees a user's text: the number is read by one regular expression, the unit by the
+grammar of `unit_grammar`, and pint is given a product of names that it was told about here.
 """
 
 import functools
@@ -9,12 +9,14 @@ import math
 import re
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 from gyrotest.errors import UnitError
+from gyrotest.unit_grammar import factors
 
 if TYPE_CHECKING:
     import pint
+    from pydantic_core import core_schema
 
 # Angle is a dimension of its own, so that hertz is no rate; g is standard gravity.
 _DEFINITIONS = """
@@ -67,11 +69,11 @@ class Dimension(StrEnum):
     ACCELERATION = "m/s**2"
 
     def spoken(self) -> str:
-        """The name for messages, with its article."""
+        """Return the name for messages, with its article."""
         return _SPOKEN[self]
 
     def example(self) -> str:
-        """A quantity of this dimension, as a user would write it."""
+        """Return a quantity of this dimension, as a user would write it."""
         return _EXAMPLES[self]
 
 
@@ -109,9 +111,10 @@ _EXAMPLES = {
     Dimension.ACCELERATION: "1 g",
 }
 
-_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?")
-_TOKEN = re.compile(r"\s*(?:(sqrt|√)|([A-Za-z]+)|(\*\*|\^)\s*(-?[0-9](?:\.5)?)|([()*/]))")
-_SPELLING = str.maketrans({"°": "degree ", "µ": "u", "μ": "u", "·": "*", "%": "percent", "²": "^2"})
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?(?![0-9])")
+_LONGEST = 100
+QUANTITY_PATTERN = r"^\s*[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]{1,3})?\s*[A-Za-z°%√µμ(]"
+_UNIT_BEGINS = re.compile(r"[ \t]*[A-Za-z°%√µμ(]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,37 +132,57 @@ class Quantity:
         return f"{repr(self.value).removesuffix('.0')} {self.unit}"
 
 
-def parse_quantity(text: Any, dimension: Dimension | tuple[Dimension, ...]) -> Quantity:
-    """Read `NUMBER UNIT` of a dimension (or of one of several); raises `UnitError`."""
-    accepted = dimension if isinstance(dimension, tuple) else (dimension,)
-    hint = f"write e.g. '{accepted[0].example()}'"
+def parse_quantity(text: Any, dimension: Dimension | tuple[Dimension, ...] = ()) -> Quantity:
+    """Read `NUMBER UNIT` of a dimension (one of several; none given: any); raises `UnitError`."""
+    dimensions = dimension if isinstance(dimension, tuple) else (dimension,)
+    hint = f"write e.g. '{(dimensions[0] if dimensions else Dimension.RATE).example()}'"
     if isinstance(text, bool) or not isinstance(text, str):
-        found = "nothing" if text is None else f"{text!r}"
-        raise UnitError(f"{found} is not a quantity (a number and its unit); {hint}")
-    match = _NUMBER.match(text.strip())
+        raise UnitError(f"{_found(text)} is not a quantity (a number and its unit); {hint}")
+    stripped = text.strip(" \t\r\n")
+    if len(stripped) > _LONGEST:
+        raise UnitError(
+            f"'{stripped[:20]}…' ({len(stripped)} characters) is too long for a quantity; {hint}"
+        )
+    match = _NUMBER.match(stripped)
     if match is None:
-        raise UnitError(f"'{text}' does not begin with a decimal number; {hint}")
-    value, unit = float(match.group()), text.strip()[match.end() :]
+        raise UnitError(f"{text!r} does not begin with a finite decimal number; {hint}")
+    value = _finite(match.group(), text, hint)
+    return Quantity(value, _checked_unit(stripped[match.end() :], text, dimensions, hint))
+
+
+def _found(value: Any) -> str:
+    if value is None:
+        return "nothing"
+    shown = {True: "true", False: "false"}[value] if isinstance(value, bool) else repr(value)
+    return shown if len(shown) <= 60 else f"{shown[:60]}…"
+
+
+def _finite(number: str, text: str, hint: str) -> float:
+    value = float(number)
     if not math.isfinite(value):
-        raise UnitError(f"'{text}' is not finite; {hint}")
-    if not unit.strip():
-        raise UnitError(f"'{text}' has no unit; {hint}")
-    if unit[0] not in " \t%°" and not unit[0].isalpha():
-        raise UnitError(f"'{text}' is not a decimal number and a unit; {hint}")
-    return Quantity(value, _checked_unit(unit.strip(), text, accepted, hint))
+        raise UnitError(f"{text!r} is not finite; {hint}")
+    if value == 0 and re.search("[1-9]", re.split("[eE]", number)[0]):
+        raise UnitError(f"{text!r} is too small to be told from zero; {hint}")
+    return value
 
 
 def _checked_unit(unit: str, text: str, accepted: tuple[Dimension, ...], hint: str) -> str:
+    if not unit.strip(" \t"):
+        raise UnitError(f"{text!r} has no unit; {hint}")
+    if not _UNIT_BEGINS.match(unit):
+        raise UnitError(f"{text!r} is not one decimal number and a unit; {hint}")
+    unit = unit.strip(" \t")
     try:
-        found = _resolve(unit)
+        found = _resolve(unit).dimensionality
     except UnitError as error:
-        raise UnitError(f"'{text}': {error}; {hint}") from None
-    if not any(found.dimensionality == _resolve(one.value).dimensionality for one in accepted):
+        raise UnitError(f"{text!r}: {error}; {hint}") from None
+    if accepted and not any(found == _resolve(one.value).dimensionality for one in accepted):
         spoken = " or ".join(one.spoken() for one in accepted)
-        raise UnitError(f"'{text}' is not {spoken}; {hint}")
+        raise UnitError(f"{text!r} is not {spoken}; {hint}")
     return unit
 
 
+@functools.lru_cache(maxsize=512)
 def conversion_factor(unit: str, to: str) -> float:
     """Return the factor from one unit to another; raises `UnitError` if the dimensions differ."""
     if unit == to:
@@ -186,71 +209,11 @@ def _registry() -> "pint.UnitRegistry[Any]":
 
 @functools.lru_cache(maxsize=512)
 def _resolve(unit: str) -> Any:
-    """Tokenise a unit, refuse anything unknown, and let pint resolve the rewritten text."""
+    """Let pint resolve a unit from the factors that our own grammar reads; raises `UnitError`."""
     if not unit:
         return _registry().Unit("")
-    import pint
-
-    rewritten = _rewrite(unit)
-    try:
-        return _registry().parse_units(rewritten)
-    except (pint.PintError, ValueError, SyntaxError, TypeError, AttributeError) as error:
-        raise UnitError(f"'{unit}' is no unit that gyrotest knows") from error
-
-
-def _rewrite(unit: str) -> str:
-    text = unit.replace("°C", "degC").translate(_SPELLING)
-    tokens: list[str] = []
-    position, operand_before = 0, False
-    while position < len(text.rstrip()):
-        match = _TOKEN.match(text, position)
-        if match is None:
-            raise UnitError(f"'{unit}' is no unit: '{text[position:].strip()[:10]}' is not understood")
-        position = match.end()
-        root, name, power, exponent, symbol = match.groups()
-        opens = root or name or symbol == "("
-        if opens and operand_before:
-            raise UnitError(f"'{unit}' is no unit: '*' or '/' is missing before '{match.group().strip()}'")
-        if root:
-            tokens.append("sqrt")
-            operand_before = False
-        elif name:
-            tokens.append(name)
-            operand_before = True
-        elif power:
-            tokens.append(f"**{exponent}")
-        else:
-            tokens.append(symbol)
-            operand_before = symbol == ")"
-    return _roots_as_powers(tokens, unit)
-
-
-def _roots_as_powers(tokens: list[str], unit: str) -> str:
-    """Rewrite `sqrt X` and `sqrt ( … )` as powers of one half."""
-    out: list[str] = []
-    index = 0
-    while index < len(tokens):
-        if tokens[index] != "sqrt":
-            out.append(tokens[index])
-            index += 1
-            continue
-        end = _operand_end(tokens, index + 1, unit)
-        out.append(f"({_roots_as_powers(tokens[index + 1 : end], unit)})**0.5")
-        index = end
-    return "".join(out)
-
-
-def _operand_end(tokens: list[str], start: int, unit: str) -> int:
-    if start >= len(tokens) or tokens[start] in {")", "*", "/"}:
-        raise UnitError(f"'{unit}' is no unit: nothing follows the root")
-    if tokens[start] != "(":
-        return start + 1
-    depth = 0
-    for index in range(start, len(tokens)):
-        depth += {"(": 1, ")": -1}.get(tokens[index], 0)
-        if depth == 0:
-            return index + 1
-    raise UnitError(f"'{unit}' is no unit: a bracket is not closed")
+    product = " * ".join(f"{name} ** {float(power)!r}" for name, power in factors(unit).items() if power)
+    return _registry().parse_units(product)
 
 
 _PRINTED = (
@@ -264,14 +227,44 @@ _PRINTED = (
 
 
 def printed_unit(unit: str) -> str:
-    """The unit as it is printed for people: `deg/sqrt(h)` becomes `°/√h`."""
+    """Return the unit as it is printed for people: `deg/sqrt(h)` becomes `°/√h`."""
     for pattern, replacement in _PRINTED:
         unit = pattern.sub(replacement, unit)
     return unit
 
 
 class OfDimension:
-    """Annotation of a `Quantity` field: the dimensions accepted (none given: any)."""
+    """Annotation of a `Quantity` field: the dimensions accepted (none given: any).
+
+    It teaches pydantic, where that is loaded, to read the field from text and to write it as text.
+    """
 
     def __init__(self, *dimensions: Dimension) -> None:
         self.dimensions = dimensions
+
+    def checked(self, value: Any) -> Quantity:
+        """Return the quantity that a text (or a quantity) gives; raises `UnitError`."""
+        return parse_quantity(str(value) if isinstance(value, Quantity) else value, self.dimensions)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> "core_schema.CoreSchema":
+        """Tell pydantic how the field is checked and written."""
+        from pydantic_core import PydanticCustomError, core_schema
+
+        def check(value: Any) -> Quantity:
+            try:
+                return self.checked(value)
+            except UnitError as error:
+                raise PydanticCustomError("quantity", "{reason}", {"reason": str(error)}) from None
+
+        schema: core_schema.CoreSchema = core_schema.no_info_plain_validator_function(
+            check, serialization=core_schema.to_string_ser_schema()
+        )
+        return core_schema.nullable_schema(schema) if type(None) in get_args(source) else schema
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        """Describe the field as text of the form `NUMBER UNIT`."""
+        described: dict[str, Any] = {"type": "string", "pattern": QUANTITY_PATTERN}
+        if self.dimensions:
+            described["description"] = " or ".join(one.spoken() for one in self.dimensions)
+            described["examples"] = [one.example() for one in self.dimensions]
+        return described
