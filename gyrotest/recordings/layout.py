@@ -1,0 +1,119 @@
+"""How a recording is laid out: names, columns, metadata and the checksum of a batch.
+
+The header travels as JSON in the Arrow schema's metadata, of a segment and of the Parquet file.
+"""
+
+import json
+import zlib
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict
+from datetime import datetime
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrotest.errors import RecordingError
+from gyrotest.records.recording import Gap, Identity, RecordingHeader, Sampling
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+FORMAT = b"1"
+FOLDER = "recordings"
+SEGMENT_SUFFIX = ".arrows"
+BATCH_ROWS = 65_536
+
+FORMAT_KEY = b"gyrotest.format"
+HEADER_KEY = b"gyrotest.recording"
+HEADER_CRC_KEY = b"gyrotest.recording.crc32"
+SEGMENT_KEY = b"gyrotest.segment"
+GAPS_KEY = b"gyrotest.gaps"
+
+BATCH_ROW = b"row"
+BATCH_UTC = b"utc"
+BATCH_CRC = b"crc32"
+BATCH_OUTCOME = b"outcome"
+
+
+def recording_name(item: str, attempt: int) -> str:
+    """The name of an attempt's recording, without a suffix."""
+    return f"{item}-a{attempt}"
+
+
+def recording_schema(header: RecordingHeader, extra: Mapping[bytes, bytes]) -> "pa.Schema":
+    """The Arrow schema of a recording with its header and `extra` in the metadata."""
+    import pyarrow as pa
+
+    text = header_to_json(header)
+    metadata = {
+        FORMAT_KEY: FORMAT,
+        HEADER_KEY: text,
+        HEADER_CRC_KEY: b"%08x" % zlib.crc32(text),
+        **extra,
+    }
+    fields = [
+        pa.field("index", pa.int64(), nullable=False),
+        pa.field("time_s", pa.float64(), nullable=False),
+    ]
+    fields += [pa.field(name, pa.float64(), nullable=False) for name in header.sampling.channels]
+    fields.append(pa.field("flags", pa.uint8(), nullable=False))
+    return pa.schema(fields, metadata=metadata)
+
+
+def columns_of(batch: "pa.RecordBatch") -> list[NDArray[Any]]:
+    """The columns of a batch as arrays, without a copy; raises `RecordingError` on a null."""
+    if any(column.null_count for column in batch.columns):
+        raise RecordingError("a batch has empty cells, which gyrotest never writes")
+    return [column.to_numpy(zero_copy_only=True) for column in batch.columns]
+
+
+def checksum(columns: Iterable[NDArray[Any]], row: int, utc: str, outcome: str) -> int:
+    """CRC-32 of a batch: its columns' bytes in their order, then `row utc outcome` as text."""
+    crc = 0
+    for column in columns:
+        crc = zlib.crc32(np.ascontiguousarray(column).data, crc)
+    return zlib.crc32(f"{row} {utc} {outcome}".encode(), crc)
+
+
+def header_to_json(header: RecordingHeader) -> bytes:
+    """The header as JSON."""
+    plain = asdict(header) | {"started_utc": header.started_utc.isoformat(), "meta": dict(header.meta)}
+    return json.dumps(plain, ensure_ascii=False, allow_nan=False, sort_keys=True).encode()
+
+
+def header_from_metadata(metadata: dict[bytes, bytes] | None) -> RecordingHeader:
+    """The header out of a schema's metadata; raises `RecordingError` if it is absent or damaged."""
+    if not metadata or HEADER_KEY not in metadata:
+        raise RecordingError("is no recording of gyrotest: its metadata hold no header")
+    if metadata.get(FORMAT_KEY) != FORMAT:
+        found = metadata.get(FORMAT_KEY, b"none").decode(errors="replace")
+        raise RecordingError(f"has format {found}; this gyrotest reads format {FORMAT.decode()}")
+    text = metadata[HEADER_KEY]
+    if metadata.get(HEADER_CRC_KEY) != b"%08x" % zlib.crc32(text):
+        raise RecordingError("its header is damaged: the checksum does not agree")
+    return header_from_json(text)
+
+
+def header_from_json(text: bytes) -> RecordingHeader:
+    """The header out of its JSON."""
+    plain = json.loads(text)
+    sampling = plain["sampling"] | {"channels": tuple(plain["sampling"]["channels"])}
+    return RecordingHeader(
+        **plain
+        | {
+            "started_utc": datetime.fromisoformat(plain["started_utc"]),
+            "sampling": Sampling(**sampling),
+            "source": Identity(**plain["source"]),
+        }
+    )
+
+
+def gaps_to_json(gaps: Iterable[Gap]) -> bytes:
+    """Gaps as JSON, for the metadata."""
+    return json.dumps([asdict(gap) for gap in gaps], ensure_ascii=False).encode()
+
+
+def gaps_from_json(text: bytes) -> tuple[Gap, ...]:
+    """Gaps out of the metadata."""
+    return tuple(Gap(**gap) for gap in json.loads(text))

@@ -1,0 +1,108 @@
+"""The reader of our own recordings: a Parquet file, or the folder of segments before it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from gyrotest.errors import RecordingError
+from gyrotest.recordings import parquet
+from gyrotest.recordings.assembly import Assembly
+from gyrotest.recordings.batches import read_batches, read_opening, segment_files
+from gyrotest.recordings.digest import sha256_of
+from gyrotest.recordings.journal import Rows
+from gyrotest.recordings.layout import FOLDER
+from gyrotest.recordings.tally import Tally, gaps_in
+from gyrotest.records.recording import Recording, RecordingHeader, Samples, Sampling
+
+__all__ = ["Recovery", "gaps_in", "iterate", "read_header", "read_samples", "recover"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Recovery:
+    """What can be read of a folder of segments.
+
+    `closed` is the word that the writer ended with, empty if it was killed. `lost_rows` were
+    written and cannot be read, as far as later segments tell; `damage` says where, empty if nowhere.
+    """
+
+    recording: Recording
+    closed: str
+    lost_rows: int
+    damage: tuple[str, ...]
+
+
+def read_header(path: Path) -> RecordingHeader:
+    """The header of a recording; raises `RecordingError`."""
+    if path.is_dir():
+        return read_opening(segment_files(path)[0]).header
+    return parquet.read_facts(path).header
+
+
+def iterate(path: Path) -> Iterator[Rows]:
+    """The rows of a recording, batch by batch, verified; raises `RecordingError` at damage."""
+    if path.is_dir():
+        yield from _iterate_segments(path)
+    else:
+        yield from parquet.iterate(path)
+
+
+def read_samples(path: Path, *, sampling: Sampling | None = None, own_time: bool = False) -> Samples:
+    """A whole recording in memory; raises `RecordingError` if any of it is damaged.
+
+    `sampling` replaces the one in the header. `own_time` also gives the time stamps.
+    `Samples.index` is None where no sample is missing.
+    """
+    header = read_header(path)
+    rows = parquet.read_facts(path).rows if path.is_file() else _count(path)
+    assembly = Assembly(rows, len(header.sampling.channels), own_time=own_time)
+    for part in iterate(path):
+        assembly.add(part)
+    return assembly.samples(sampling or header.sampling)
+
+
+def recover(folder: Path) -> Recovery:
+    """Read what segments hold up to the damage in each; changes nothing on the disk.
+
+    Raises `RecordingError` only if not even the first header can be read.
+    """
+    files = segment_files(folder)
+    header = read_opening(files[0]).header
+    tally, damage, closed, lost = Tally(header.sampling.interval_s), [], "", 0
+    for file in files:
+        try:
+            opening = read_opening(file)
+            lost = opening.row - tally.rows
+            tally.reasons[tally.last_index] = opening.reason
+            closed = ""
+            for batch in read_batches(file):
+                tally.add(batch.rows)
+                closed = batch.outcome
+        except RecordingError as error:
+            damage.append(str(error))
+    recording = Recording(
+        path=f"{FOLDER}/{folder.name}",
+        sha256=sha256_of(folder),
+        header=header,
+        samples=tally.rows,
+        complete=closed == "complete" and not damage,
+        gaps=tuple(tally.gaps),
+        flagged=tally.flagged,
+        largest_lateness_s=tally.largest_lateness_s,
+    )
+    return Recovery(recording=recording, closed=closed, lost_rows=lost, damage=tuple(damage))
+
+
+def _iterate_segments(folder: Path) -> Iterator[Rows]:
+    row = 0
+    for file in segment_files(folder):
+        if (begins := read_opening(file).row) != row:
+            raise RecordingError(
+                f"{file}: begins with row {begins}, yet {row} rows come before: rows are lost"
+            )
+        for batch in read_batches(file):
+            row += len(batch.rows)
+            yield batch.rows
+
+
+def _count(folder: Path) -> int:
+    return sum(len(rows) for rows in _iterate_segments(folder))
