@@ -1,0 +1,38 @@
+# Each target does all of its own set-up: `make demo` and `make test` are all that a fresh machine needs.
+
+SHELL := /bin/bash
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+
+.PHONY: demo test check bench docs clean
+
+## A certificate from the simulated bench; ends with its path.
+demo: $(READY)
+	$(BIN)/pytest --gyro-spec mems50.yaml --serial 1234
+
+## Everything that must hold: format, lint, types, import contracts, tests with branch coverage.
+test: check
+	rm -f .coverage .coverage.*
+	$(BIN)/python -m pytest -n 2 --dist loadgroup --cov --cov-report=term:skip-covered
+
+check: $(READY)
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+## Speed and memory; prints the figures.
+bench: $(READY)
+	$(BIN)/python -m tests.benchmarks
+
+## The pages that are generated: the reference of spec and station keys.
+docs: $(READY)
+	$(BIN)/gyrotest schema reference > docs/spec-reference.md
+
+$(READY): pyproject.toml .ci/setup
+	bash .ci/setup $(VENV)
+	touch $(READY)
+
+clean:
+	rm -rf $(VENV) .coverage .coverage.* .mypy_cache .ruff_cache .pytest_cache

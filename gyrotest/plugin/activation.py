@@ -1,0 +1,177 @@
+"""From the command line to a run: options read once at the door into frozen records."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from gyrotest.errors import GyrotestError, RefusedError
+from gyrotest.plugin.collection import Collection
+from gyrotest.plugin.completion import Completion
+from gyrotest.plugin.distribution import install_distribution, runs_of_worker
+from gyrotest.plugin.execution import Execution
+from gyrotest.plugin.progress import progress_for
+from gyrotest.plugin.prompt import Prompt
+from gyrotest.plugin.session import GYRO, GyroSession
+from gyrotest.plugin.signals import install_signals
+from gyrotest.registry import PROCEDURES, load
+from gyrotest.runner.bench import SimulationChoice
+from gyrotest.runner.door import Order, check_order, check_serial_number, open_run, reopen_run
+from gyrotest.runner.folder import RunFolder
+from gyrotest.runner.locks import ResourceLocks
+from gyrotest.specification.lookup import find_spec, find_station
+from gyrotest.specification.spec import load_spec
+from gyrotest.specification.station import load_station
+
+PLACEHOLDER = "SERIAL"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Request:
+    """What the command line, the environment and the ini file ask for."""
+
+    order: Order
+    choice: SimulationChoice
+    resume: Path | None
+    assume_yes: bool
+
+
+def activate(config: pytest.Config) -> None:
+    """Read the spec and the station, refuse at the door, open the runs, register the plugins."""
+    try:
+        session = _session(config)
+    except GyrotestError as error:
+        raise pytest.UsageError(*str(error).splitlines()) from error
+    config.stash[GYRO] = session
+    from gyrotest.plugin import fixtures
+
+    for plugin in (fixtures, Collection(session), Execution(session), Completion(session)):
+        config.pluginmanager.register(plugin)
+    install_distribution(config, session)
+    if not session.observes_only:
+        install_signals(config, session)
+
+
+def _session(config: pytest.Config) -> GyroSession:
+    observes_only = _observes_only(config)
+    request = _request(config, observes_only=observes_only)
+    worker = runs_of_worker(config)
+    session = GyroSession(
+        config=config,
+        order=request.order,
+        choice=request.choice,
+        observes_only=observes_only,
+        is_worker=worker is not None,
+        progress=progress_for(config, request.order.spec.spec.output),
+        prompt=Prompt(config, assume_yes=request.assume_yes),
+    )
+    if observes_only:
+        return session
+    if worker is not None:
+        session.take_runs([(RunFolder(path), RunFolder(path).header()) for path in worker])
+        return session
+    check_order(request.order)
+    session.locks = ResourceLocks(f"the test of {', '.join(request.order.serial_numbers)}")
+    session.lock_bench()
+    session.take_runs(_open_runs(request))
+    return session
+
+
+def _open_runs(request: Request) -> list[tuple[RunFolder, object]]:
+    order = request.order
+    if request.resume is not None:
+        return [reopen_run(order, request.resume)]
+    slots = tuple(order.station.station.slots)
+    return [
+        open_run(order, serial_number, slots[index % len(slots)])
+        for index, serial_number in enumerate(order.serial_numbers)
+    ]
+
+
+def _observes_only(config: pytest.Config) -> bool:
+    """Whether pytest only shows something and runs no test."""
+    names = ("collectonly", "showfixtures", "show_fixtures_per_test", "setupplan")
+    return any(config.getoption(name, default=False) for name in names)
+
+
+def _request(config: pytest.Config, *, observes_only: bool) -> Request:
+    option = config.option
+    spec = load_spec(_spec_path(config), lambda name: load(PROCEDURES, name)())
+    station = load_station(_station_path(config))
+    serial_numbers = _serial_numbers(option.gyro_serial, observes_only=observes_only)
+    for serial_number in serial_numbers:
+        if serial_number != PLACEHOLDER or not observes_only:
+            check_serial_number(serial_number, spec.spec.serial_pattern)
+    order = Order(
+        spec=spec,
+        station=station,
+        serial_numbers=serial_numbers,
+        out=_from_invocation(config, option.gyro_out or config.getini("gyro_out")),
+        operator=option.gyro_operator or config.getini("gyro_operator"),
+        meta=_meta(option.gyro_meta),
+        command=" ".join(["pytest", *(str(one) for one in config.invocation_params.args)]),
+        one_after_another=_one_after_another(config),
+    )
+    return Request(
+        order=order,
+        choice=_choice(config),
+        resume=_from_invocation(config, option.gyro_resume) if option.gyro_resume else None,
+        assume_yes=option.gyro_yes,
+    )
+
+
+def _spec_path(config: pytest.Config) -> Path:
+    given = config.option.gyro_spec
+    if len(given) > 1 and not runs_of_worker(config):
+        raise RefusedError(f"--gyro-spec is given {len(given)} times; one run tests by one spec")
+    folders = (config.invocation_params.dir, config.rootpath / config.getini("gyro_spec_dir"))
+    return find_spec(given[0], folders).resolve()
+
+
+def _station_path(config: pytest.Config) -> Path:
+    name = (
+        config.option.gyro_station
+        or os.environ.get("GYRO_STATION")
+        or config.getini("gyro_station")
+        or "simulated"
+    )
+    spec_dir = config.rootpath / config.getini("gyro_spec_dir")
+    return find_station(name, (config.invocation_params.dir, spec_dir / "stations", spec_dir)).resolve()
+
+
+def _serial_numbers(given: str | None, *, observes_only: bool) -> tuple[str, ...]:
+    found = tuple(one.strip() for one in (given or "").split(","))
+    if any(found):
+        return found
+    if given is None and observes_only:
+        return (PLACEHOLDER,)
+    raise RefusedError("--gyro-spec needs the serial number of the unit under test: add --serial SN")
+
+
+def _meta(given: list[str]) -> dict[str, str]:
+    pairs = [one.partition("=") for one in given]
+    for key, equals, value in pairs:
+        if not equals or not key.strip() or len(key) + len(value) > 500:
+            raise RefusedError(f"--gyro-meta '{key}{equals}{value[:40]}': expected KEY=VALUE, e.g. order=4711")
+    return {key.strip(): value.strip() for key, _, value in pairs}
+
+
+def _choice(config: pytest.Config) -> SimulationChoice:
+    seed = config.option.gyro_sim_seed
+    if seed is not None and not str(seed).isdecimal():
+        raise RefusedError(f"--gyro-sim-seed '{seed}': expected a whole number from 0, e.g. 1")
+    return SimulationChoice(
+        scenario=config.option.gyro_sim_scenario,
+        seed=None if seed is None else int(seed),
+        real_time=config.option.gyro_real_time,
+    )
+
+
+def _one_after_another(config: pytest.Config) -> bool:
+    """Whether units may be swapped between the runs: somebody is there to do it, or was said to be."""
+    return bool(config.option.gyro_yes) or Prompt.possible(config)
+
+
+def _from_invocation(config: pytest.Config, path: str) -> Path:
+    return (config.invocation_params.dir / path).resolve()

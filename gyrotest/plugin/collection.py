@@ -1,0 +1,108 @@
+"""The spec as a test module: one item for each acquisition, one for what is over the repeats."""
+
+import types
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from gyrotest.plugin.session import PLANNED, GyroSession
+from gyrotest.records.run import PlannedItem
+from gyrotest.runner.flow import Acquired, UnitRun, failed_lines
+from gyrotest.runner.items import planned_items
+
+
+class LimitsNotMet(Exception):  # noqa: N818 — it is a verdict on the gyro, no error of the bench
+    """A gyro is out of its limits; one line for each."""
+
+
+def judge_acquisition(gyro_acquired: Acquired, gyro_judgement: Any) -> None:
+    """Judge what the fixture has acquired."""
+    gyro_judgement(gyro_acquired)
+
+
+def judge_repeats(gyro_judgement: Any) -> None:
+    """Judge what is computed over the repeats."""
+    gyro_judgement(None)
+
+
+class GyroItem(pytest.Function):
+    """An item of the spec: its acquisition in setup, its judgement in the call."""
+
+    def reportinfo(self) -> tuple[Path, None, str]:
+        """Say where the item comes from: the spec."""
+        return self.path, None, self.name
+
+
+class SpecModule(pytest.Module):
+    """The spec file in pytest's tree; a Module, since plugins ask items for `request.module`."""
+
+    def _getobj(self) -> types.ModuleType:
+        module = types.ModuleType(self.path.stem, "A gyro spec.")
+        module.__file__ = str(self.path)
+        return module
+
+    def collect(self) -> Iterator[GyroItem]:  # type: ignore[override]
+        """Yield the plan's items, unit by unit."""
+        session = self.config.stash[_SESSION]
+        for serial_number in session.order.serial_numbers:
+            for planned in planned_items(session.order.spec.spec, serial_number):
+                judgement = judge_repeats if planned.repeat is None else judge_acquisition
+                item = GyroItem.from_parent(self, name=planned.name, callobj=judgement)
+                item.stash[PLANNED] = planned
+                item.stash[SERIAL_NUMBER] = serial_number
+                yield item
+
+
+SERIAL_NUMBER = pytest.StashKey[str]()
+_SESSION = pytest.StashKey[GyroSession]()
+
+
+class Collection:
+    """Makes pytest collect the spec, in the plan's order."""
+
+    def __init__(self, session: GyroSession) -> None:
+        self._path = Path(session.order.spec.path)
+        config = session.config
+        config.stash[_SESSION] = session
+        if config.args_source is not pytest.Config.ArgsSource.ARGS:
+            config.args[:] = [str(self._path)]
+        elif not any(self._points_to_spec(config, one) for one in config.args):
+            config.args.append(str(self._path))
+
+    def _points_to_spec(self, config: pytest.Config, argument: str) -> bool:
+        path = (config.invocation_params.dir / argument.partition("::")[0]).resolve()
+        return path == self._path or path in self._path.parents
+
+    @pytest.hookimpl
+    def pytest_collect_file(self, file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+        """Collect the spec that was asked for, and no other YAML file."""
+        if file_path != self._path:
+            return None
+        if file_path.is_relative_to(parent.config.rootpath):
+            return SpecModule.from_parent(parent, path=file_path)
+        return SpecModule.from_parent(parent, path=file_path, nodeid=file_path.name)
+
+    @pytest.hookimpl(wrapper=True, tryfirst=True)
+    def pytest_collection_modifyitems(
+        self, config: pytest.Config, items: list[pytest.Item]
+    ) -> Iterator[None]:
+        """Restore the plan's order among the spec's items after whatever shuffled them."""
+        order = {item.nodeid: place for place, item in enumerate(items) if PLANNED in item.stash}
+        yield
+        if config.getoption("failedfirst", default=False):
+            return
+        places = [place for place, item in enumerate(items) if item.nodeid in order]
+        ours = sorted((items[place] for place in places), key=lambda item: order[item.nodeid])
+        for place, item in zip(places, ours, strict=True):
+            items[place] = item
+
+
+def judge_item(run: UnitRun, planned: PlannedItem, acquired: Acquired | None) -> Any:
+    """Judge an item, put it on record; raises `LimitsNotMet` naming every limit that is not met."""
+    attempt = run.judge_repeats(planned) if acquired is None else run.judge(planned, acquired)
+    lines = failed_lines(attempt.results)
+    if lines:
+        return attempt, LimitsNotMet("\n".join(lines))
+    return attempt, None

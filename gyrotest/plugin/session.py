@@ -1,0 +1,80 @@
+"""What one pytest process knows of the runs that it works on."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import pytest
+
+from gyrotest.acquisition.progress import Progress
+from gyrotest.plugin.prompt import Prompt
+from gyrotest.records.run import PlannedItem, RunHeader
+from gyrotest.runner.bench import Bench, SimulationChoice
+from gyrotest.runner.door import Order
+from gyrotest.runner.flow import UnitRun
+from gyrotest.runner.folder import RunFolder
+from gyrotest.runner.locks import ResourceLocks
+
+GYRO = pytest.StashKey["GyroSession"]()
+PLANNED = pytest.StashKey[PlannedItem]()
+
+
+@dataclass
+class GyroSession:
+    """The order, the runs by serial number, and the bench, opened when first needed."""
+
+    config: pytest.Config
+    order: Order
+    choice: SimulationChoice
+    observes_only: bool
+    is_worker: bool
+    progress: Progress
+    prompt: Prompt
+    runs: dict[str, UnitRun] = field(default_factory=dict)
+    locks: ResourceLocks | None = None
+    _bench: Bench | None = None
+    _unit_on_bench: str | None = None
+
+    def take_runs(self, opened: Iterable[tuple[RunFolder, RunHeader]]) -> None:
+        """Work on these runs."""
+        for folder, header in opened:
+            self.runs[header.serial_number] = UnitRun(
+                folder=folder,
+                header=header,
+                bench=self.bench,
+                progress=self.progress,
+                confirm=self.prompt.confirm,
+            )
+            if not self.is_worker:
+                self.runs[header.serial_number].update_record()
+
+    def bench(self) -> Bench:
+        """The bench, opened and owned."""
+        if self._bench is None:
+            self.lock_bench()
+            self._bench = Bench(self.order.station.station, self.order.spec.spec.output, self.choice)
+        return self._bench
+
+    def lock_bench(self) -> None:
+        """Own the station's resources; a simulated bench is nobody else's anyway."""
+        if self.locks is None or self.order.station.station.simulation is not None:
+            return
+        instruments = self.order.station.station.instruments.values()
+        self.locks.acquire(one.resource for one in instruments if one.driver != "replay")
+
+    def put_on_bench(self, serial_number: str) -> UnitRun:
+        """The run of a unit, which the operator puts into its slot where another one was before."""
+        run = self.runs[serial_number]
+        before = self._unit_on_bench
+        if before is not None and before != serial_number and self.runs[before].header.slot == run.header.slot:
+            self.prompt.confirm(f"Put unit {serial_number} into slot {run.header.slot} in place of {before}")
+            self.bench().power_was_cycled()
+        self._unit_on_bench = serial_number
+        return run
+
+    def close_bench(self) -> None:
+        """Leave the bench safe and give it back."""
+        if self._bench is not None:
+            self._bench.close()
+            self._bench = None
+        if self.locks is not None:
+            self.locks.release()
