@@ -242,6 +242,10 @@ class OfDimension:
     def __init__(self, *dimensions: Dimension) -> None:
         self.dimensions = dimensions
 
+    def example(self) -> str:
+        """Return a quantity that is accepted, as a user would write it."""
+        return (self.dimensions[0] if self.dimensions else Dimension.RATE).example()
+
     def checked(self, value: Any) -> Quantity:
         """Return the quantity that a text (or a quantity) gives; raises `UnitError`."""
         return parse_quantity(str(value) if isinstance(value, Quantity) else value, self.dimensions)

@@ -1,0 +1,1 @@
+"""Specs and stations: YAML files → records, every complaint with file, line and key."""

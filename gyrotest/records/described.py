@@ -1,0 +1,20 @@
+"""What a key of a document means: the one source of its schema, its reference page and its hints."""
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Described:
+    """Annotation of a record's field: what it means and how it is written."""
+
+    text: str
+    example: str = ""
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        """Put the description into the field's JSON Schema."""
+        described: dict[str, Any] = handler(schema)
+        described["description"] = self.text
+        if self.example and "examples" not in described:
+            described["examples"] = [self.example]
+        return described
