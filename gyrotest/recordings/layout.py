@@ -26,7 +26,7 @@ BATCH_ROWS = 65_536
 
 FORMAT_KEY = b"gyrotest.format"
 HEADER_KEY = b"gyrotest.recording"
-HEADER_CRC_KEY = b"gyrotest.recording.crc32"
+METADATA_CRC_KEY = b"gyrotest.crc32"
 SEGMENT_KEY = b"gyrotest.segment"
 GAPS_KEY = b"gyrotest.gaps"
 
@@ -45,13 +45,8 @@ def recording_schema(header: RecordingHeader, extra: Mapping[bytes, bytes]) -> "
     """The Arrow schema of a recording with its header and `extra` in the metadata."""
     import pyarrow as pa
 
-    text = header_to_json(header)
-    metadata = {
-        FORMAT_KEY: FORMAT,
-        HEADER_KEY: text,
-        HEADER_CRC_KEY: b"%08x" % zlib.crc32(text),
-        **extra,
-    }
+    metadata = {FORMAT_KEY: FORMAT, HEADER_KEY: header_to_json(header), **extra}
+    metadata[METADATA_CRC_KEY] = _metadata_crc(metadata)
     fields = [
         pa.field("index", pa.int64(), nullable=False),
         pa.field("time_s", pa.float64(), nullable=False),
@@ -82,17 +77,22 @@ def header_to_json(header: RecordingHeader) -> bytes:
     return json.dumps(plain, ensure_ascii=False, allow_nan=False, sort_keys=True).encode()
 
 
-def header_from_metadata(metadata: dict[bytes, bytes] | None) -> RecordingHeader:
+def header_from_metadata(metadata: Mapping[bytes, bytes] | None) -> RecordingHeader:
     """The header out of a schema's metadata; raises `RecordingError` if it is absent or damaged."""
     if not metadata or HEADER_KEY not in metadata:
         raise RecordingError("is no recording of gyrotest: its metadata hold no header")
     if metadata.get(FORMAT_KEY) != FORMAT:
         found = metadata.get(FORMAT_KEY, b"none").decode(errors="replace")
         raise RecordingError(f"has format {found}; this gyrotest reads format {FORMAT.decode()}")
-    text = metadata[HEADER_KEY]
-    if metadata.get(HEADER_CRC_KEY) != b"%08x" % zlib.crc32(text):
+    if metadata.get(METADATA_CRC_KEY) != _metadata_crc(metadata):
         raise RecordingError("its header is damaged: the checksum does not agree")
-    return header_from_json(text)
+    return header_from_json(metadata[HEADER_KEY])
+
+
+def _metadata_crc(metadata: Mapping[bytes, bytes]) -> bytes:
+    """CRC-32 (hex) of gyrotest's other entries in the metadata, `key=value` in the keys' order."""
+    ours = sorted(key for key in metadata if key.startswith(b"gyrotest.") and key != METADATA_CRC_KEY)
+    return b"%08x" % zlib.crc32(b"\n".join(key + b"=" + metadata[key] for key in ours))
 
 
 def header_from_json(text: bytes) -> RecordingHeader:

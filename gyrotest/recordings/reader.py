@@ -84,7 +84,7 @@ def recover(folder: Path) -> Recovery:
         sha256=sha256_of(folder),
         header=header,
         samples=tally.rows,
-        complete=closed == "complete" and not damage,
+        complete=closed == "complete" and not (damage or lost),
         gaps=tuple(tally.gaps),
         flagged=tally.flagged,
         largest_lateness_s=tally.largest_lateness_s,

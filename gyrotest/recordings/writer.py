@@ -78,8 +78,17 @@ class RecordingWriter:
         self._written_s = self._synced_s = float("-inf")
         self._failed = False
         self._recording: Recording | None = None
+        self._begin()
 
     def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close(complete=False)
+
+    def _begin(self) -> None:
         if self._target.exists() or self._folder.exists():
             raise RecordingError(
                 f"{self._folder}: there is a recording of this attempt; it is not overwritten"
@@ -89,12 +98,6 @@ class RecordingWriter:
             self._journal.begin()
         except OSError as error:
             raise self._failure(error) from error
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close(complete=False)
 
     def push(self, block: Block) -> None:
         """Take a block; raises `RecordingError` if it cannot be kept."""
