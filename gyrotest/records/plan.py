@@ -28,7 +28,10 @@ class Plan:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Context:
-    """What a reduction may use beside the samples."""
+    """What a reduction may use beside the samples.
+
+    `since_power_on_s` is the time from power-on to the record's begin (None: not known).
+    """
 
     case_name: str
     case: Case
@@ -39,6 +42,7 @@ class Context:
     site: Site | None
     source: Identity | None = None
     gaps: tuple[Gap, ...] = ()
+    since_power_on_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -49,12 +49,13 @@ class Result:
     """A measured value in `unit`, with an expanded uncertainty or a 95 % interval.
 
     `at_most` says that the value is an upper bound (printed with ≤). What was not evaluated is
-    None. `not_included` names contributions that could not be had.
+    None; where that is the value itself, `condition` says why. `not_included` names contributions
+    that could not be had.
     """
 
     name: str
     label: str
-    value: float
+    value: float | None
     unit: str
     expanded_uncertainty: float | None = None
     coverage_factor: float | None = None

@@ -1,0 +1,221 @@
+"""Conformity: a result held against its limit by the rule that the spec fixed beforehand."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from gyrotest.records.result import Contribution, JudgedLimit, JudgedResult, Measurand, Result, Verdict
+from gyrotest.records.spec import DecisionRule, Limit
+from gyrotest.units import Quantity, conversion_factor, printed_unit
+
+_FROM_BEST = tuple(Verdict)
+_MINUS = "\N{MINUS SIGN}"
+_MOST_DIGITS = 12
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Span:
+    """Where the true value lies: a value and the ends of its 95 % interval (None: not known)."""
+
+    value: float
+    lower: float | None
+    upper: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Finding:
+    verdict: Verdict
+    reason: str = ""
+
+
+def judge(
+    measurand: Measurand, result: Result | None, limit: Limit | None, *, case: str, repeat: int | None
+) -> JudgedResult:
+    """Hold a result against its limit, in the limit's unit; a limit of None judges nothing.
+
+    What is missing, not a number or infinite never passes: it is INCOMPLETE, with the reason.
+    """
+    unit = _unit(measurand, limit)
+    applied = _applied(limit, unit)
+    if result is None:
+        judged = JudgedResult(
+            case=case, repeat=repeat, name=measurand.name, label=measurand.label, value=None, unit=unit
+        )
+        reason = "not measured"
+    else:
+        judged, reason = _converted(result, unit, case, repeat)
+    if limit is None or applied is None:
+        return replace(judged, reason=reason)
+    finding = _Finding(verdict=Verdict.INCOMPLETE, reason=reason) if reason else _decide(judged, applied)
+    return replace(judged, limit=applied, verdict=finding.verdict, reason=finding.reason)
+
+
+def worst(verdicts: Iterable[Verdict]) -> Verdict:
+    """Return the worst verdict; of none at all, INCOMPLETE."""
+    return max(verdicts, key=_FROM_BEST.index, default=Verdict.INCOMPLETE)
+
+
+def line(judged: JudgedResult) -> str:
+    """Return a result with its limit in one line: `noise = 12.5 °/h [11.7, 13.6], limit ≤ 10 °/h`."""
+    if judged.value is None:
+        text = f"{judged.name}: {judged.reason or 'not evaluated'}"
+        return text + _limit_text(judged.limit)
+    text = f"{judged.name} {'≤' if judged.at_most else '='} {_value_text(judged)}{_limit_text(judged.limit)}"
+    return f"{text} ({judged.reason})" if judged.reason else text
+
+
+def _unit(measurand: Measurand, limit: Limit | None) -> str:
+    ends = () if limit is None else (limit.max, limit.min)
+    return next((end.unit for end in ends if end is not None), measurand.unit)
+
+
+def _applied(limit: Limit | None, unit: str) -> JudgedLimit | None:
+    if limit is None:
+        return None
+    return JudgedLimit(
+        min=_end(limit.min, unit),
+        max=_end(limit.max, unit),
+        unit=unit,
+        decision=limit.decision,
+        over=limit.over,
+    )
+
+
+def _end(quantity: Quantity | None, unit: str) -> float | None:
+    return None if quantity is None else quantity.to(unit)
+
+
+def _converted(result: Result, unit: str, case: str, repeat: int | None) -> tuple[JudgedResult, str]:
+    """Return the result in another unit, without what is not finite, and why it has no value if so."""
+    factor = conversion_factor(result.unit, unit)
+    numbers = {
+        name: None if number is None else number * factor
+        for name, number in (
+            ("value", result.value),
+            ("expanded_uncertainty", result.expanded_uncertainty),
+            ("lower_95", result.lower_95),
+            ("upper_95", result.upper_95),
+        )
+    }
+    wrong = [
+        name for name, number in numbers.items() if number is not None and not math.isfinite(number)
+    ]
+    reason = f"{', '.join(wrong).replace('_', ' ')} is not finite" if wrong else ""
+    if result.value is None:
+        reason = result.condition or "not evaluated"
+    kept = {name: None if name in wrong else number for name, number in numbers.items()}
+    judged = JudgedResult(
+        case=case,
+        repeat=repeat,
+        name=result.name,
+        label=result.label,
+        unit=unit,
+        coverage_factor=result.coverage_factor,
+        at_most=result.at_most,
+        condition=result.condition,
+        budget=tuple(_scaled(one, factor) for one in result.budget),
+        not_included=result.not_included,
+        **kept,
+    )
+    return judged, reason
+
+
+def _scaled(contribution: Contribution, factor: float) -> Contribution:
+    return replace(contribution, standard_uncertainty=contribution.standard_uncertainty * factor)
+
+
+def _decide(judged: JudgedResult, limit: JudgedLimit) -> _Finding:
+    value = judged.value
+    if value is None:
+        return _Finding(verdict=Verdict.INCOMPLETE, reason="not evaluated")
+    if judged.at_most and limit.min is not None:
+        reason = "an upper bound cannot be held against a minimum"
+        return _Finding(verdict=Verdict.INCOMPLETE, reason=reason)
+    if limit.decision is DecisionRule.SIMPLE:
+        inside = _within(value, value, limit)
+        return _Finding(verdict=Verdict.PASS if inside else Verdict.FAIL)
+    return _guarded(_span(judged, value), limit, judged.not_included)
+
+
+def _span(judged: JudgedResult, value: float) -> _Span:
+    lower, upper = judged.lower_95, judged.upper_95
+    if judged.expanded_uncertainty is not None:
+        lower, upper = value - judged.expanded_uncertainty, value + judged.expanded_uncertainty
+    if judged.at_most:
+        lower = -math.inf
+    return _Span(value=value, lower=lower, upper=upper)
+
+
+def _guarded(span: _Span, limit: JudgedLimit, not_included: tuple[str, ...]) -> _Finding:
+    """ILAC-G8:09/2019 4.2.2 (binary) and 4.2.3 (non-binary), the guard band being the uncertainty."""
+    if not_included:
+        reason = (
+            f"a guarded decision needs the whole uncertainty; not included: {', '.join(not_included)}"
+        )
+        return _Finding(verdict=Verdict.INCOMPLETE, reason=reason)
+    if span.lower is None or span.upper is None:
+        return _Finding(verdict=Verdict.INCOMPLETE, reason="a guarded decision needs an uncertainty")
+    if _within(span.lower, span.upper, limit):
+        return _Finding(verdict=Verdict.PASS)
+    if limit.decision is DecisionRule.GUARDED:
+        return _Finding(verdict=Verdict.FAIL)
+    if _within(span.value, span.value, limit):
+        return _Finding(verdict=Verdict.CONDITIONAL_PASS)
+    if _apart(span.lower, span.upper, limit):
+        return _Finding(verdict=Verdict.FAIL)
+    return _Finding(verdict=Verdict.CONDITIONAL_FAIL)
+
+
+def _within(lower: float, upper: float, limit: JudgedLimit) -> bool:
+    return (limit.min is None or lower >= limit.min) and (limit.max is None or upper <= limit.max)
+
+
+def _apart(lower: float, upper: float, limit: JudgedLimit) -> bool:
+    """Whether no value between lower and upper is inside the limit."""
+    return (limit.min is not None and upper < limit.min) or (limit.max is not None and lower > limit.max)
+
+
+def _value_text(judged: JudgedResult) -> str:
+    """Round value and uncertainty alike, finely enough to show on which side of a limit the value is."""
+    value = judged.value or 0.0
+    limit = judged.limit
+    ends = [end for end in (limit.min, limit.max) if end is not None] if limit else []
+    digits = next(
+        (d for d in range(3, _MOST_DIGITS) if all(_same_side(value, end, d) for end in ends)),
+        _MOST_DIGITS,
+    )
+    unit = printed_unit(judged.unit)
+    text = _number(value, digits)
+    if judged.expanded_uncertainty is not None:
+        return f"{text} ± {_number(judged.expanded_uncertainty, 2)} {unit}"
+    if judged.lower_95 is not None and judged.upper_95 is not None:
+        return f"{text} {unit} [{_number(judged.lower_95, digits)}, {_number(judged.upper_95, digits)}]"
+    return f"{text} {unit}"
+
+
+def _same_side(value: float, end: float, digits: int) -> bool:
+    rounded = float(f"{value:.{digits}g}")
+    return (rounded > end) == (value > end) and (rounded < end) == (value < end)
+
+
+def _number(value: float, digits: int) -> str:
+    text = f"{value:.{digits}g}"
+    if "e" in text and 1e-4 <= abs(value) < 1e7:
+        text = f"{float(text):.0f}"
+    return text.replace("-", _MINUS)
+
+
+def _limit_text(limit: JudgedLimit | None) -> str:
+    if limit is None:
+        return ""
+    unit = printed_unit(limit.unit)
+    if limit.min is not None and limit.max is not None:
+        ends = f"{_number(limit.min, 10)} … {_number(limit.max, 10)}"
+    elif limit.max is not None:
+        ends = f"≤ {_number(limit.max, 10)}"
+    else:
+        ends = f"≥ {_number(limit.min or 0.0, 10)}"
+    rule = (
+        "" if limit.decision is DecisionRule.SIMPLE else f" ({limit.decision.value.replace('_', ' ')})"
+    )
+    return f", limit {ends} {unit}{rule}".replace(" %", " %")
