@@ -7,9 +7,9 @@ from gyrotest.acquisition.plausibility import Plausibility
 from gyrotest.acquisition.progress import Progress
 from gyrotest.errors import AcquisitionError, InstrumentError, OverloadError
 from gyrotest.ports import Clock, Source
+from gyrotest.recordings.writer import RecordingWriter
 from gyrotest.records.plan import Plan
 from gyrotest.records.recording import Block, Gap, Recording, RecordingHeader
-from gyrotest.recordings.writer import RecordingWriter
 
 RETRY_PAUSES_S = (1.0, 5.0, 30.0)
 MOST_RECOVERIES = 10
@@ -37,14 +37,12 @@ class Acquisition:
         """Acquire the plan's samples; raises `AcquisitionError` or `InstrumentError`."""
         self.progress.begin(self.header)
         writer = RecordingWriter(self.run_folder, self.header)
-        complete = False
         try:
             self._sample(writer)
-            complete = True
+            return writer.close(complete=True)
         finally:
             self.progress.end()
-            self.recording = writer.close(complete=complete)
-        return self.recording
+            self.recording = writer.close(complete=False)
 
     def _sample(self, writer: RecordingWriter) -> None:
         plausibility = Plausibility(self.header.source.model, self.header.sampling)

@@ -37,7 +37,9 @@ class Plausibility:
             raise OverloadError(
                 f"{self._name}: overload at sample {at}{limit}; is the gyro connected and the range wide enough?"
             )
-        raise OverloadError(f"{self._name}: sample {at} is not a number; look at the wiring and the source")
+        raise OverloadError(
+            f"{self._name}: sample {at} is not a number; look at the wiring and the source"
+        )
 
     def _refuse_stuck(self, block: Block) -> None:
         for value in block.values[:, 0].tolist():

@@ -15,6 +15,7 @@ from gyrotest.plugin.progress import progress_for
 from gyrotest.plugin.prompt import Prompt
 from gyrotest.plugin.session import GYRO, GyroSession
 from gyrotest.plugin.signals import install_signals
+from gyrotest.records.run import RunHeader
 from gyrotest.registry import PROCEDURES, load
 from gyrotest.runner.bench import SimulationChoice
 from gyrotest.runner.door import Order, check_order, check_serial_number, open_run, reopen_run
@@ -50,7 +51,7 @@ def activate(config: pytest.Config) -> None:
         config.pluginmanager.register(plugin)
     install_distribution(config, session)
     if not session.observes_only:
-        install_signals(config, session)
+        install_signals(config)
 
 
 def _session(config: pytest.Config) -> GyroSession:
@@ -78,7 +79,7 @@ def _session(config: pytest.Config) -> GyroSession:
     return session
 
 
-def _open_runs(request: Request) -> list[tuple[RunFolder, object]]:
+def _open_runs(request: Request) -> list[tuple[RunFolder, RunHeader]]:
     order = request.order
     if request.resume is not None:
         return [reopen_run(order, request.resume)]
@@ -153,7 +154,9 @@ def _meta(given: list[str]) -> dict[str, str]:
     pairs = [one.partition("=") for one in given]
     for key, equals, value in pairs:
         if not equals or not key.strip() or len(key) + len(value) > 500:
-            raise RefusedError(f"--gyro-meta '{key}{equals}{value[:40]}': expected KEY=VALUE, e.g. order=4711")
+            raise RefusedError(
+                f"--gyro-meta '{key}{equals}{value[:40]}': expected KEY=VALUE, e.g. order=4711"
+            )
     return {key.strip(): value.strip() for key, _, value in pairs}
 
 

@@ -43,7 +43,7 @@ class SpecModule(pytest.Module):
         module.__file__ = str(self.path)
         return module
 
-    def collect(self) -> Iterator[GyroItem]:  # type: ignore[override]
+    def collect(self) -> Iterator[GyroItem]:
         """Yield the plan's items, unit by unit."""
         session = self.config.stash[_SESSION]
         for serial_number in session.order.serial_numbers:

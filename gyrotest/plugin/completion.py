@@ -46,7 +46,9 @@ class Completion:
         """Remember why an item was skipped."""
         if report.when == "setup" and report.skipped and isinstance(report.longrepr, tuple):
             for run in self._session.runs.values():
-                run.missing.setdefault(report.nodeid.rpartition("::")[2], f"skipped ({report.longrepr[2]})")
+                run.missing.setdefault(
+                    report.nodeid.rpartition("::")[2], f"skipped ({report.longrepr[2]})"
+                )
 
     @pytest.hookimpl(trylast=True)
     def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int | pytest.ExitCode) -> None:
@@ -109,7 +111,9 @@ _WHOLE = {
 
 
 def _summary(record: RunRecord, path: Path) -> Iterator[str]:
-    marks = [word for word, is_so in (("SIMULATED", record.simulated), ("REPLAYED", record.replayed)) if is_so]
+    marks = [
+        word for word, is_so in (("SIMULATED", record.simulated), ("REPLAYED", record.replayed)) if is_so
+    ]
     marked = f" ({', '.join(marks)})" if marks else ""
     yield f"{record.serial_number}: {record.verdict.value.replace('_', ' ')}{marked}"
     for text in failed_lines(record.results):

@@ -39,7 +39,7 @@ class Execution:
         return report
 
     @pytest.hookimpl(trylast=True)
-    def pytest_runtest_logfinish(self, nodeid: str) -> None:
+    def pytest_runtest_logfinish(self) -> None:
         """Replace `run.json` after each item, so that what is done stands whatever comes."""
         if self._session.observes_only or self._session.is_worker:
             return

@@ -80,7 +80,9 @@ def gyro_acquire(
 
 
 @pytest.fixture
-def gyro_verify(request: pytest.FixtureRequest, gyro_session: GyroSession, gyro_serial: str) -> Iterator[Any]:
+def gyro_verify(
+    request: pytest.FixtureRequest, gyro_session: GyroSession, gyro_serial: str
+) -> Iterator[Any]:
     """Judge a value like the spec's own: `gyro_verify('offset', 2.51, unit='V', max='2.6 V')`."""
     verify = GyroVerify(gyro_session, gyro_serial, request.node)
     request.node.stash[VERIFY] = verify

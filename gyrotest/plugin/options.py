@@ -7,7 +7,11 @@ import pytest
 
 _GROUP = "gyrotest"
 _OPTIONS: tuple[tuple[str, str, str], ...] = (
-    ("--gyro-station", "PATH|NAME", "station file, or the name of a shipped station (default: simulated)"),
+    (
+        "--gyro-station",
+        "PATH|NAME",
+        "station file, or the name of a shipped station (default: simulated)",
+    ),
     ("--gyro-operator", "NAME", "who runs the test; printed on the certificate"),
     ("--gyro-out", "DIR", "where the runs' folders are made (default: reports)"),
     ("--gyro-resume", "RUN", "go on with an interrupted run: its folder"),
@@ -48,7 +52,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
     for name, metavar, text in _OPTIONS:
         group.addoption(name, dest=name[2:].replace("-", "_"), metavar=metavar, help=text)
-    group.addoption("--gyro-yes", action="store_true", dest="gyro_yes", help="answer every prompt with yes")
+    group.addoption(
+        "--gyro-yes", action="store_true", dest="gyro_yes", help="answer every prompt with yes"
+    )
     group.addoption(
         "--gyro-real-time",
         action="store_true",

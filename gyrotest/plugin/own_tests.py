@@ -11,12 +11,12 @@ from gyrotest.acquisition.progress import Silence
 from gyrotest.conformity import judge, line
 from gyrotest.errors import InstrumentError
 from gyrotest.plugin.session import GyroSession
+from gyrotest.recordings.reader import read_samples
 from gyrotest.records.plan import Plan
 from gyrotest.records.recording import Block, Identity, RecordingHeader, Samples
 from gyrotest.records.result import JudgedResult, Measurand, Result, Verdict
 from gyrotest.records.run import Attempt, Outcome
 from gyrotest.records.spec import DecisionRule, Limit
-from gyrotest.recordings.reader import read_samples
 from gyrotest.runner.bench import OpenSource
 from gyrotest.units import Dimension, parse_quantity, same_dimension
 

@@ -7,13 +7,13 @@ import os
 import sys
 import time
 from collections import deque
-from typing import TYPE_CHECKING, TextIO
+from typing import IO, TYPE_CHECKING
 
 import pytest
 
 from gyrotest.acquisition.progress import Progress, Silence
 from gyrotest.records.recording import Block, RecordingHeader
-from gyrotest.records.spec import Output
+from gyrotest.records.spec import Output, OutputKind
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -30,6 +30,8 @@ def progress_for(config: pytest.Config, output: Output) -> Progress:
     """The progress that fits the session: none for workers and `-q`, lines where there is no terminal."""
     if hasattr(config, "workerinput") or config.get_verbosity() < 0:
         return Silence()
+    if sys.__stdout__ is None:
+        return Silence()
     stream = os.fdopen(os.dup(sys.__stdout__.fileno()), "w", encoding="utf-8", errors="replace")
     config.add_cleanup(stream.close)
     reading = Reading(output)
@@ -40,9 +42,9 @@ class Reading:
     """An indication as the operator reads it: in the source's unit and as a rate."""
 
     def __init__(self, output: Output) -> None:
-        self._scale = output.scale_factor.to("V*s/deg") if _is_voltage(output) else None
-        zero = output.zero_rate
-        self._zero = zero.to("V") if self._scale is not None and zero is not None else 0.0
+        voltage = output.kind is OutputKind.VOLTAGE
+        self._scale = output.scale_factor.to("V*s/deg") if voltage and output.scale_factor else None
+        self._zero = output.zero_rate.to("V") if voltage and output.zero_rate else 0.0
 
     def __call__(self, value: float, unit: str) -> str:
         """The text, `2.512345 V = +0.2469 °/s`."""
@@ -51,14 +53,10 @@ class Reading:
         return f"{value:.6f} V = {(value - self._zero) / self._scale:+.4f} °/s"
 
 
-def _is_voltage(output: Output) -> bool:
-    return output.kind == "voltage" and output.scale_factor is not None
-
-
 class LineProgress:
     """A line now and then, for logs and pipes."""
 
-    def __init__(self, stream: TextIO, reading: Reading) -> None:
+    def __init__(self, stream: IO[str], reading: Reading) -> None:
         self._stream = stream
         self._reading = reading
         self._header: RecordingHeader | None = None
@@ -68,7 +66,9 @@ class LineProgress:
         """An acquisition begins."""
         self._header = header
         self._written = time.monotonic()
-        self.note(f"{header.item}: {header.planned_samples} samples every {header.sampling.interval_s:g} s")
+        self.note(
+            f"{header.item}: {header.planned_samples} samples every {header.sampling.interval_s:g} s"
+        )
 
     def push(self, block: Block) -> None:
         """Say how far it is, once a minute."""
@@ -92,7 +92,7 @@ class LineProgress:
 class LiveProgress:
     """A few lines at the foot of the terminal, redrawn in place."""
 
-    def __init__(self, stream: TextIO, reading: Reading) -> None:
+    def __init__(self, stream: IO[str], reading: Reading) -> None:
         self._stream = stream
         self._reading = reading
         self._header: RecordingHeader | None = None
@@ -149,9 +149,13 @@ class LiveProgress:
         interval_s = header.sampling.interval_s
         lines = Text(no_wrap=True, overflow="ellipsis")
         lines.append(f"{header.item}  ", style="bold")
-        lines.append(f"{self._reading(float(block.values[-1, 0]), header.sampling.unit)}\n", style="cyan")
+        lines.append(
+            f"{self._reading(float(block.values[-1, 0]), header.sampling.unit)}\n", style="cyan"
+        )
         lines.append(f"{_bar(done, total)} {done} of {total}")
-        lines.append(f"  {_clock(done * interval_s)} elapsed, {_clock((total - done) * interval_s)} to go\n")
+        lines.append(
+            f"  {_clock(done * interval_s)} elapsed, {_clock((total - done) * interval_s)} to go\n"
+        )
         lines.append(_sparkline(self._trace), style="blue")
         if self._note:
             lines.append(f"\n{self._note}", style="yellow")

@@ -17,7 +17,9 @@ class Prompt:
     @staticmethod
     def possible(config: pytest.Config) -> bool:
         """Whether there is somebody to ask: a terminal, and no distribution over processes."""
-        distributed = hasattr(config, "workerinput") or bool(config.getoption("numprocesses", default=None))
+        distributed = hasattr(config, "workerinput") or bool(
+            config.getoption("numprocesses", default=None)
+        )
         return sys.__stdin__ is not None and sys.__stdin__.isatty() and not distributed
 
     def confirm(self, text: str) -> None:
@@ -25,7 +27,9 @@ class Prompt:
         if self._assume_yes:
             return
         if not self.possible(self._config):
-            raise AcquisitionError(f"{text}: nobody is there to do it (no terminal); say --gyro-yes if it is done")
+            raise AcquisitionError(
+                f"{text}: nobody is there to do it (no terminal); say --gyro-yes if it is done"
+            )
         capture = self._config.pluginmanager.getplugin("capturemanager")
         capture.suspend(in_=True)
         try:

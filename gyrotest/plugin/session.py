@@ -65,8 +65,14 @@ class GyroSession:
         """The run of a unit, which the operator puts into its slot where another one was before."""
         run = self.runs[serial_number]
         before = self._unit_on_bench
-        if before is not None and before != serial_number and self.runs[before].header.slot == run.header.slot:
-            self.prompt.confirm(f"Put unit {serial_number} into slot {run.header.slot} in place of {before}")
+        if (
+            before is not None
+            and before != serial_number
+            and self.runs[before].header.slot == run.header.slot
+        ):
+            self.prompt.confirm(
+                f"Put unit {serial_number} into slot {run.header.slot} in place of {before}"
+            )
             self.bench().power_was_cycled()
         self._unit_on_bench = serial_number
         return run

@@ -7,14 +7,12 @@ from types import FrameType
 
 import pytest
 
-from gyrotest.plugin.session import GyroSession
-
 _ENDING = tuple(
     getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name)
 )
 
 
-def install_signals(config: pytest.Config, session: GyroSession) -> None:
+def install_signals(config: pytest.Config) -> None:
     """Let SIGTERM, SIGHUP and SIGBREAK act as Ctrl-C does, until pytest is unconfigured."""
     before = {one: signal.getsignal(one) for one in _ENDING}
     try:
@@ -30,7 +28,7 @@ def install_signals(config: pytest.Config, session: GyroSession) -> None:
     config.add_cleanup(restore)
 
 
-def _interrupt(number: int, frame: FrameType | None) -> None:
+def _interrupt(number: int, _frame: FrameType | None) -> None:
     raise KeyboardInterrupt(signal.Signals(number).name)
 
 

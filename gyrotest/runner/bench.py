@@ -8,7 +8,7 @@ from gyrotest.clock import RealClock
 from gyrotest.errors import RefusedError
 from gyrotest.ports import Clock, Source
 from gyrotest.records.plan import Plan
-from gyrotest.records.run import InstrumentUse
+from gyrotest.records.run import InstrumentUse, PlannedItem
 from gyrotest.records.spec import Output
 from gyrotest.records.station import Accuracy, Instrument, Station
 from gyrotest.registry import INSTRUMENTS, load
@@ -63,14 +63,16 @@ class Bench:
         opened.source.close()
         self._open = {key: one for key, one in self._open.items() if one is not opened}
 
-    def stage(self, slot: str, serial_number: str, case: str, repeat: int, moment: Moment, plan: Plan) -> None:
+    def stage(
+        self, slot: str, serial_number: str, item: PlannedItem, *, moment: Moment, plan: Plan
+    ) -> None:
         """Tell a simulated bench what it is to play next; a real one needs no telling."""
         if self._simulated:
             self._simulated.begin(
                 units={self.station.slots[slot].source: serial_number},
-                case=case,
+                case=item.case,
                 power_cycle=moment.power_cycle,
-                repeat=repeat,
+                repeat=item.repeat or 1,
                 elapsed_s=moment.elapsed_s,
                 duration_s=plan.duration_s,
             )
@@ -112,7 +114,7 @@ class Bench:
 
 def make_source(station: Station, name: str, resource: str, clock: Clock) -> Source:
     """Make the driver of an instrument of the station, not opened yet."""
-    from gyrotest.specification.station import instrument_settings
+    from gyrotest.specification.parameters import instrument_settings
 
     instrument: Instrument = station.instruments[name]
     driver = load(INSTRUMENTS, instrument.driver)
@@ -128,7 +130,9 @@ def make_source(station: Station, name: str, resource: str, clock: Clock) -> Sou
     return source
 
 
-def _simulated_bench(station: Station, output: Output, choice: SimulationChoice) -> "SimulatedBench | None":
+def _simulated_bench(
+    station: Station, output: Output, choice: SimulationChoice
+) -> "SimulatedBench | None":
     if station.simulation is None:
         if choice != SimulationChoice():
             raise RefusedError(

@@ -10,10 +10,10 @@ from pathlib import Path
 
 from gyrotest.certificate.pdf import ensure_renderer
 from gyrotest.errors import CertificateError, RefusedError
+from gyrotest.recordings.writer import check_free_space
 from gyrotest.records.run import RunHeader
 from gyrotest.records.spec import SpecDocument
 from gyrotest.records.station import Station, StationDocument
-from gyrotest.recordings.writer import check_free_space
 from gyrotest.runner.folder import HEADER, RunFolder
 from gyrotest.runner.items import planned_case, planned_items
 
@@ -46,7 +46,8 @@ def check_order(order: Order) -> None:
     calibration_deviations(order.station.station, datetime.now(UTC).date())
     ensure_renderer()
     samples = sum(
-        planned_case(name, case).plan.samples * case.repeats for name, case in order.spec.spec.cases.items()
+        planned_case(name, case).plan.samples * case.repeats
+        for name, case in order.spec.spec.cases.items()
     )
     _check_out(order.out)
     check_free_space(order.out, samples * len(order.serial_numbers) * _BYTES_A_SAMPLE)
@@ -63,14 +64,18 @@ def check_serial_number(serial_number: str, pattern: str | None) -> None:
     if ".." in serial_number or serial_number.endswith("."):
         raise RefusedError(f"serial number {shown!r}: '..' and a full stop at the end are not accepted")
     if pattern is not None and not re.fullmatch(pattern, serial_number):
-        raise RefusedError(f"serial number {shown!r} does not match the spec's serial_pattern '{pattern}'")
+        raise RefusedError(
+            f"serial number {shown!r} does not match the spec's serial_pattern '{pattern}'"
+        )
 
 
 def _refuse_twice(serial_numbers: Sequence[str]) -> None:
     folded = [one.casefold() for one in serial_numbers]
     for serial_number, name in zip(serial_numbers, folded, strict=True):
         if folded.count(name) > 1:
-            raise RefusedError(f"serial number '{serial_number}' is given twice; each unit is tested once a run")
+            raise RefusedError(
+                f"serial number '{serial_number}' is given twice; each unit is tested once a run"
+            )
 
 
 def _check_slots(order: Order) -> None:
@@ -96,7 +101,9 @@ def calibration_deviations(station: Station, today: date) -> tuple[str, ...]:
                 f"{fault} {calibration.due}: have it calibrated and enter the new dates, or set"
                 " 'allow_expired_calibration: true' in the station, which the certificate then says"
             )
-        deviations.append(f"{fault} {calibration.due}; used out of calibration by the station's permission.")
+        deviations.append(
+            f"{fault} {calibration.due}; used out of calibration by the station's permission."
+        )
     return tuple(deviations)
 
 

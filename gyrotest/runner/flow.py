@@ -9,12 +9,12 @@ from gyrotest.acquisition.acquire import Acquisition
 from gyrotest.acquisition.progress import Progress
 from gyrotest.conformity import judge, line
 from gyrotest.errors import GyrotestError, InsufficientDataError
+from gyrotest.recordings.reader import read_samples
 from gyrotest.records.plan import Context, Reduction
 from gyrotest.records.recording import Identity, Recording, RecordingHeader, Sampling
 from gyrotest.records.result import JudgedResult, Measurand, Result, Verdict
 from gyrotest.records.run import Attempt, Origin, Outcome, PlannedItem, RunHeader, RunRecord
 from gyrotest.records.spec import Between, Over
-from gyrotest.recordings.reader import read_samples
 from gyrotest.runner.bench import Bench, OpenSource
 from gyrotest.runner.folder import RunFolder
 from gyrotest.runner.items import PlannedCase, moment, planned_case
@@ -60,6 +60,7 @@ class UnitRun:
         if standing is not None:
             return self._acquired_before(item, standing)
         attempt = self._begun(item)
+        self._put(attempt)  # so that a killed process leaves an interrupted attempt
         try:
             attempt = self._with_recording(item, attempt)
             reduction = self._reduce(item, attempt)
@@ -170,14 +171,12 @@ class UnitRun:
         if bench.clock.now_s() < bench.powered_on_s + plan.warm_up_s and not self._replays(bench):
             self.progress.note(f"{item.name}: warming up, {plan.warm_up_s / 60:.3g} min after power-on")
             bench.clock.sleep_until(bench.powered_on_s + plan.warm_up_s)
-        repeat = item.repeat or 1
         bench.stage(
             self.header.slot,
             self.header.serial_number,
-            item.case,
-            repeat,
-            moment(self.header.spec.spec, item),
-            plan,
+            item,
+            moment=moment(self.header.spec.spec, item),
+            plan=plan,
         )
 
     def _replays(self, bench: Bench) -> bool:
@@ -201,7 +200,7 @@ class UnitRun:
             acquisition.run()
             outcome = Outcome.ACQUIRED
         finally:
-            remarks = getattr(opened.source, "remarks", tuple)()
+            remarks: tuple[str, ...] = getattr(opened.source, "remarks", tuple)()
             attempt = replace(
                 attempt,
                 outcome=outcome,
@@ -240,7 +239,11 @@ class UnitRun:
         return planned.procedure.reduce(samples, context)
 
     def _context(
-        self, item: PlannedItem, planned: PlannedCase, attempt: Attempt | None, recording: Recording | None
+        self,
+        item: PlannedItem,
+        planned: PlannedCase,
+        attempt: Attempt | None,
+        recording: Recording | None,
     ) -> Context:
         spec, station = self.header.spec.spec, self.header.station.station
         return Context(

@@ -76,9 +76,13 @@ class RunFolder:
     def unplanned(self, plan: tuple[PlannedItem, ...]) -> tuple[PlannedItem, ...]:
         """Items that were attempted beside the plan: a user's own tests."""
         known = {one.name for one in plan}
-        found = (_read(path, _attempt_adapter()) for path in sorted((self.path / ATTEMPTS).glob("*.json")))
+        found = (
+            _read(path, _attempt_adapter()) for path in sorted((self.path / ATTEMPTS).glob("*.json"))
+        )
         names = dict.fromkeys(one.item for one in found if one.item not in known)
-        return tuple(PlannedItem(name=name, case=name.rpartition("::")[2], repeat=None) for name in names)
+        return tuple(
+            PlannedItem(name=name, case=name.rpartition("::")[2], repeat=None) for name in names
+        )
 
     def item_records(self, header: RunHeader, missing: Mapping[str, str]) -> tuple[ItemRecord, ...]:
         """The plan's items, and those beside it, with their attempts and why they are missing."""
@@ -96,7 +100,9 @@ _UNFINISHED = {
 }
 
 
-def _item_record(plan: PlannedItem, attempts: tuple[Attempt, ...], missing: Mapping[str, str]) -> ItemRecord:
+def _item_record(
+    plan: PlannedItem, attempts: tuple[Attempt, ...], missing: Mapping[str, str]
+) -> ItemRecord:
     if not attempts:
         return ItemRecord(plan=plan, missing=missing.get(plan.name, "not run"))
     last = attempts[-1]
@@ -131,7 +137,9 @@ def _read(path: Path, adapter: "TypeAdapter[T]") -> T:
     try:
         return adapter.validate_json(path.read_bytes())
     except OSError as error:
-        raise CertificateError(f"{path}: cannot be read ({error.strerror}); is this a run's folder?") from error
+        raise CertificateError(
+            f"{path}: cannot be read ({error.strerror}); is this a run's folder?"
+        ) from error
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])

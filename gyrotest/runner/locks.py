@@ -41,7 +41,9 @@ class ResourceLocks:
             ) from None
         except OSError as error:
             self.release()
-            raise RefusedError(f"{folder}: the lock of {resource} cannot be made ({error.strerror})") from error
+            raise RefusedError(
+                f"{folder}: the lock of {resource} cannot be made ({error.strerror})"
+            ) from error
         owner_file.write_text(self._owner, encoding="utf-8")
 
     def release(self) -> None:
