@@ -155,15 +155,15 @@ def _guarded(span: _Span, limit: JudgedLimit, not_included: tuple[str, ...]) -> 
         return _Finding(verdict=Verdict.INCOMPLETE, reason=reason)
     if span.lower is None or span.upper is None:
         return _Finding(verdict=Verdict.INCOMPLETE, reason="a guarded decision needs an uncertainty")
-    if _within(span.lower, span.upper, limit):
-        return _Finding(verdict=Verdict.PASS)
-    if limit.decision is DecisionRule.GUARDED:
-        return _Finding(verdict=Verdict.FAIL)
-    if _within(span.value, span.value, limit):
-        return _Finding(verdict=Verdict.CONDITIONAL_PASS)
-    if _apart(span.lower, span.upper, limit):
-        return _Finding(verdict=Verdict.FAIL)
-    return _Finding(verdict=Verdict.CONDITIONAL_FAIL)
+    return _Finding(verdict=_guarded_verdict(span.value, span.lower, span.upper, limit))
+
+
+def _guarded_verdict(value: float, lower: float, upper: float, limit: JudgedLimit) -> Verdict:
+    if _within(lower, upper, limit):
+        return Verdict.PASS
+    if limit.decision is DecisionRule.GUARDED or _apart(lower, upper, limit):
+        return Verdict.FAIL
+    return Verdict.CONDITIONAL_PASS if _within(value, value, limit) else Verdict.CONDITIONAL_FAIL
 
 
 def _within(lower: float, upper: float, limit: JudgedLimit) -> bool:

@@ -1,0 +1,45 @@
+"""The mean of a record and how well it stands for the gyro's bias."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gyrotest.analysis.noise import NoiseModel
+from gyrotest.analysis.noise_terms import FLICKER
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeanUncertainty:
+    """Standard uncertainty of a mean, °/s, and the degrees of freedom with which it is known."""
+
+    standard_uncertainty_dps: float
+    degrees_of_freedom: float
+
+
+def mean_uncertainty(
+    model: NoiseModel, *, duration_s: float, since_power_on_s: float = 0.0
+) -> MeanUncertainty:
+    """Estimate the uncertainty of the mean over a record by its Allan deviation carried to its length.
+
+    Parameters
+    ----------
+    model
+        The record's noise.
+    duration_s
+        The record's length.
+    since_power_on_s
+        Time between power-on and the record, over which the rate random walk has walked already.
+
+    Notes
+    -----
+    u² = N²/T + (2 ln 2/π)·B² + K²·(T/3 + t₀). N²/T and K²T/3 are at once the Allan variances at T
+    and the variances of the mean about the bias at the record's begin; s/√n would count samples
+    that are not independent. The degrees of freedom are 2u⁴ over the variance of u².
+    """
+    gradient = np.array([1.0 / duration_s, FLICKER, duration_s / 3.0 + since_power_on_s])
+    variance = float(gradient @ model.prudent_squares)
+    spread = float(gradient @ model.covariance @ gradient)
+    return MeanUncertainty(
+        standard_uncertainty_dps=float(np.sqrt(variance)),
+        degrees_of_freedom=max(2.0 * variance**2 / spread, 1.0),
+    )
