@@ -1,10 +1,11 @@
 """The station: with what is tested: instruments, addresses, accuracy, calibration dates."""
 
+import datetime
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from datetime import date
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
+from gyrotest.records.described import Described
 from gyrotest.units import Dimension, OfDimension, Quantity
 
 
@@ -12,59 +13,106 @@ from gyrotest.units import Dimension, OfDimension, Quantity
 class Calibration:
     """An instrument's calibration certificate."""
 
-    __pydantic_config__ = {"extra": "forbid", "strict": True}
+    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
 
-    certificate: str
-    date: date
-    due: date
-    traceable_to: str = ""
+    certificate: Annotated[str, Described("Number of the calibration certificate.", "DKD-12345")]
+    date: Annotated[datetime.date, Described("Day of the calibration.", "2026-01-15")]
+    due: Annotated[
+        datetime.date,
+        Described("Day on which the calibration ends; later the station stops a run.", "2027-01-15"),
+    ]
+    traceable_to: Annotated[str, Described("What the calibration is traceable to.", "PTB")] = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Accuracy:
     """Datasheet accuracy: half-widths, of the reading and of the range; and rms noise of one reading."""
 
-    __pydantic_config__ = {"extra": "forbid", "strict": True}
+    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
 
-    of_reading: Annotated[Quantity, OfDimension(Dimension.NUMBER)]
-    of_range: Annotated[Quantity, OfDimension(Dimension.NUMBER)]
-    noise: Annotated[Quantity | None, OfDimension(Dimension.VOLTAGE, Dimension.RATE)] = None
+    of_reading: Annotated[
+        Quantity,
+        OfDimension(Dimension.NUMBER),
+        Described("Half-width in proportion to the reading, for the calibration interval.", "35 ppm"),
+    ]
+    of_range: Annotated[
+        Quantity,
+        OfDimension(Dimension.NUMBER),
+        Described("Half-width in proportion to the range.", "5 ppm"),
+    ]
+    noise: Annotated[
+        Quantity | None,
+        OfDimension(Dimension.VOLTAGE, Dimension.RATE),
+        Described("Standard deviation of one reading with the settings below, input shorted.", "3 uV"),
+    ] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Instrument:
     """One instrument of the bench. `settings` are the driver's own and checked by it."""
 
-    __pydantic_config__ = {"extra": "forbid", "strict": True}
+    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
 
-    driver: str
-    resource: str
-    settings: Mapping[str, Any] = field(default_factory=dict)
-    accuracy: Accuracy | None = None
-    io_timeout: Annotated[Quantity | None, OfDimension(Dimension.TIME)] = None
-    asset: str = ""
-    serial_number: str | None = None
-    calibration: Calibration | None = None
+    driver: Annotated[
+        str, Described("The driver, by the name under which it is installed.", "agilent34401a")
+    ]
+    resource: Annotated[
+        str,
+        Described("VISA resource, a file for the driver `replay`, or `simulated`.", "GPIB0::22::INSTR"),
+    ]
+    settings: Annotated[Mapping[str, Any], Described("The driver's own settings.", "{nplc: 10}")] = (
+        field(default_factory=dict)
+    )
+    accuracy: Annotated[
+        Accuracy | None,
+        Described("Accuracy by the datasheet; without it the uncertainty names it as not included."),
+    ] = None
+    io_timeout: Annotated[
+        Quantity | None,
+        OfDimension(Dimension.TIME),
+        Described("How long a reply may take beyond the measurement itself, in real seconds.", "5 s"),
+    ] = None
+    asset: Annotated[str, Described("The laboratory's own number of the instrument.", "DMM-07")] = ""
+    serial_number: Annotated[
+        str | None,
+        Described(
+            "Serial number; where it is given, another instrument at the address is refused.",
+            "'MY41012345'",
+        ),
+    ] = None
+    calibration: Annotated[Calibration | None, Described("The valid calibration.")] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Slot:
     """A place for one unit under test: the source that reads it and the channel there."""
 
-    __pydantic_config__ = {"extra": "forbid", "strict": True}
+    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
 
-    source: str
-    channel: str | None = None
+    source: Annotated[
+        str, Described("The instrument that reads the unit, by its name in this file.", "meter")
+    ]
+    channel: Annotated[
+        str | None, Described("The instrument's channel, where it has several.", "'101'")
+    ] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Site:
     """Where the bench stands: for the Earth's rate."""
 
-    __pydantic_config__ = {"extra": "forbid", "strict": True}
+    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
 
-    latitude: Annotated[Quantity, OfDimension(Dimension.ANGLE)]
-    heading: Annotated[Quantity | None, OfDimension(Dimension.ANGLE)] = None
+    latitude: Annotated[
+        Quantity,
+        OfDimension(Dimension.ANGLE),
+        Described("Geographic latitude, north positive.", "48.1 deg"),
+    ]
+    heading: Annotated[
+        Quantity | None,
+        OfDimension(Dimension.ANGLE),
+        Described("Direction of the bench's own north, clockwise from true north.", "0 deg"),
+    ] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,31 +122,69 @@ class Simulation:
     `gyro` and the entries of `instruments` (by instrument name) are checked by the simulation.
     """
 
-    __pydantic_config__ = {"extra": "forbid", "strict": True}
+    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
 
-    scenario: str = "nominal"
-    seed: int = 1
-    gyro: Mapping[str, Any] = field(default_factory=dict)
-    instruments: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    scenario: Annotated[
+        str, Described("The scenario, where the command line names none.", "nominal")
+    ] = "nominal"
+    seed: Annotated[int, Described("Seed of all randomness, together with the serial number.", "1")] = 1
+    gyro: Annotated[Mapping[str, Any], Described("The simulated gyro's true figures.")] = field(
+        default_factory=dict
+    )
+    instruments: Annotated[
+        Mapping[str, Mapping[str, Any]],
+        Described("The simulated instruments' true figures, by the instrument's name in this file."),
+    ] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Station:
     """A bench. A resource `simulated[:tcp|:pty|:prologix]` is served by the simulated bench."""
 
-    __pydantic_config__ = {"extra": "forbid", "strict": True}
+    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
 
-    name: str
-    instruments: Mapping[str, Instrument]
-    slots: Mapping[str, Slot]
-    description: str = ""
-    laboratory: str = ""
-    address: str = ""
-    line_frequency: Annotated[Quantity | None, OfDimension(Dimension.FREQUENCY)] = None
-    site: Site | None = None
-    ambient: Mapping[str, str] = field(default_factory=dict)
-    allow_expired_calibration: bool = False
-    simulation: Simulation | None = None
+    name: Annotated[str, Described("The bench's name, as it is printed.", "Bench 3")]
+    instruments: Annotated[
+        Mapping[str, Instrument], Described("The instruments, each under a name of its own.")
+    ]
+    slots: Annotated[
+        Mapping[str, Slot],
+        Described(
+            "The places for units under test; serial numbers take them in this order.",
+            "{a: {source: meter}}",
+        ),
+    ]
+    description: Annotated[str, Described("What the bench is, in a line.")] = ""
+    laboratory: Annotated[
+        str, Described("Who tests, as it is printed.", "Example Gyros Ltd, test laboratory")
+    ] = ""
+    address: Annotated[str, Described("Where, as it is printed.", "1 Example Street, Exampleton")] = ""
+    line_frequency: Annotated[
+        Quantity | None,
+        OfDimension(Dimension.FREQUENCY),
+        Described(
+            "Mains frequency: `50 Hz` or `60 Hz`. A meter that integrates over power-line cycles needs it."
+        ),
+    ] = None
+    site: Annotated[Site | None, Described("Where the bench stands, for the Earth's rate.")] = None
+    ambient: Annotated[
+        Mapping[str, str],
+        Described(
+            "Ambient conditions as they are printed, in your own words.", "{temperature: '(23 ± 2) °C'}"
+        ),
+    ] = field(default_factory=dict)
+    allow_expired_calibration: Annotated[
+        bool,
+        Described(
+            "Run all the same when a calibration has ended; the certificate prints the deviation."
+        ),
+    ] = False
+    simulation: Annotated[
+        Simulation | None,
+        Described(
+            "The simulated bench; with it every instrument is simulated, and the certificate says so."
+        ),
+    ] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

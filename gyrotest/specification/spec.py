@@ -4,14 +4,16 @@ import re
 import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from gyrotest.errors import SpecError
 from gyrotest.ports import Procedure
-from gyrotest.records.spec import Output, OutputKind, Spec, SpecDocument
+from gyrotest.records.spec import Case, Output, OutputKind, Spec, SpecDocument
 from gyrotest.registry import PROCEDURES, load
 from gyrotest.specification.cases import Catalogue, case_complaints
 from gyrotest.specification.checked import Complaint, checked, unrelated
 from gyrotest.specification.limits import unknown_measurand
+from gyrotest.specification.parameters import section_or_raise
 from gyrotest.specification.reading import known_faults, raise_faults
 from gyrotest.specification.yaml_document import read_yaml
 from gyrotest.units import Dimension, Quantity, same_dimension
@@ -45,6 +47,11 @@ def load_spec(path: Path, procedures: Catalogue = installed_procedure) -> SpecDo
     later = list(_complaints(found.record, procedures, found.complaints))
     raise_faults(document, (*found.complaints, *later), SpecError)
     return SpecDocument(path=document.path, sha256=document.sha256, spec=found.record)
+
+
+def case_parameters(case: Case, procedure: Procedure) -> Any:
+    """Return a case's parameters as its procedure's record; raises `SpecError`."""
+    return section_or_raise(case.parameters, procedure.parameters, "parameters", SpecError)
 
 
 def _complaints(

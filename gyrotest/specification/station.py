@@ -10,7 +10,7 @@ from gyrotest.errors import GyrotestError, StationError
 from gyrotest.records.station import Accuracy, Instrument, Site, Station, StationDocument
 from gyrotest.registry import INSTRUMENTS, load
 from gyrotest.specification.checked import Complaint, checked, related, unrelated
-from gyrotest.specification.parameters import section
+from gyrotest.specification.parameters import section, section_or_raise
 from gyrotest.specification.reading import known_faults, raise_faults
 from gyrotest.specification.shapes import nearest
 from gyrotest.specification.yaml_document import read_yaml
@@ -40,6 +40,11 @@ def load_station(path: Path, drivers: Drivers = installed_driver) -> StationDocu
     raise_faults(document, (*found.complaints, *later), StationError)
     station = _with_paths(found.record, path.parent, drivers)
     return StationDocument(path=document.path, sha256=document.sha256, station=station)
+
+
+def instrument_settings(instrument: Instrument, driver: Any) -> Any:
+    """Return an instrument's settings as its driver's record; raises `StationError`."""
+    return section_or_raise(instrument.settings, driver.settings, "settings", StationError)
 
 
 def _complaints(
