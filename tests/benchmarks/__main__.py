@@ -1,0 +1,6 @@
+"""All benchmarks, one after another."""
+
+from tests.benchmarks import bench_inert, bench_main_job, bench_reading_rate
+
+for benchmark in (bench_inert, bench_reading_rate, bench_main_job):
+    benchmark.main()

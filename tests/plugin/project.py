@@ -1,0 +1,135 @@
+"""A user's project with a short spec, run by pytest in a process of its own."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+SPEC = """
+model: SHORT50
+description: A short test of an analogue gyro
+serial_pattern: '[0-9]{4,8}'
+output:
+  kind: voltage
+  scale_factor: 50 mV/(deg/s)
+  scale_factor_uncertainty: 0.5 %
+  zero_rate: 2.5 V
+  full_scale: 100 deg/s
+  bandwidth: 50 Hz
+cases:
+  rest:
+    procedure: static
+    warm_up: 1 min
+    duration: {duration}
+    interval: 1 s
+    repeats: {repeats}
+    mounting: [1, 0, 0]
+    parameters: {{smoothing: [1 s, 10 s]}}
+    limits:
+      bias: {{min: -2 deg/s, max: {bias_max}}}
+      bias_stability_1s: {{max: 200 deg/h}}
+      angle_random_walk: {{max: 1 deg/sqrt(h)}}
+      bias_run_to_run: {{max: 200 deg/h, over: repeats}}
+"""
+
+
+def short_spec(*, duration: str = "4 min", repeats: int = 2, bias_max: str = "2 deg/s") -> str:
+    text = SPEC.format(duration=duration, repeats=repeats, bias_max=bias_max)
+    if repeats == 1:
+        text = "\n".join(line for line in text.splitlines() if "bias_run_to_run" not in line)
+    return text
+
+
+@dataclass
+class Ended:
+    """How a pytest process ended."""
+
+    code: int
+    out: str
+
+    def __contains__(self, text: str) -> bool:
+        return text in self.out
+
+
+class Project:
+    """A folder with a spec, and pytest processes in it."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        (path / "specs").mkdir()
+        (path / "pytest.ini").write_text("[pytest]\n", encoding="utf-8")
+        self.write("specs/short.yaml", short_spec())
+
+    def write(self, name: str, text: str) -> Path:
+        path = self.path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(textwrap.dedent(text), encoding="utf-8")
+        return path
+
+    def pytest(
+        self, *arguments: str, spec: str | None = "short.yaml", serial: str | None = "1234"
+    ) -> Ended:
+        return _ended(self.start(*arguments, spec=spec, serial=serial))
+
+    def start(
+        self, *arguments: str, spec: str | None = "short.yaml", serial: str | None = "1234"
+    ) -> subprocess.Popen[str]:
+        command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *arguments]
+        if "--lf" in arguments or "--cache" in arguments:
+            command = [sys.executable, "-m", "pytest", *[one for one in arguments if one != "--cache"]]
+        if spec is not None:
+            command += ["--gyro-spec", spec]
+        if serial is not None:
+            command += ["--serial", serial]
+        return self._popen(command)
+
+    def gyrotest(self, *arguments: str) -> Ended:
+        return _ended(self._popen([sys.executable, "-m", "gyrotest", *arguments]))
+
+    def python(self, code: str) -> Ended:
+        return _ended(self._popen([sys.executable, "-c", textwrap.dedent(code)]))
+
+    def _popen(self, command: Sequence[str]) -> subprocess.Popen[str]:
+        environment = {
+            key: value
+            for key, value in os.environ.items()
+            if not key.startswith(("PYTEST_", "GYRO_", "COV_"))
+        }
+        environment["PYTHONIOENCODING"] = "utf-8"
+        return subprocess.Popen(  # the tests' own command lines
+            command,
+            cwd=self.path,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            encoding="utf-8",
+        )
+
+    def runs(self, serial: str = "1234") -> list[Path]:
+        return sorted(path.parent for path in (self.path / "reports" / serial).glob("*/run.json"))
+
+    def record(self, serial: str = "1234") -> dict[str, Any]:
+        loaded = json.loads((self.runs(serial)[-1] / "run.json").read_text(encoding="utf-8"))
+        assert isinstance(loaded, dict)
+        return loaded
+
+    def certificates(self, serial: str = "1234") -> list[Path]:
+        return sorted((self.path / "reports" / serial).glob("*/*.pdf"))
+
+
+def _ended(process: subprocess.Popen[str]) -> Ended:
+    out, _ = process.communicate(timeout=120)
+    return Ended(process.returncode, out)
+
+
+def end_with(process: subprocess.Popen[str], number: signal.Signals) -> Ended:
+    process.send_signal(number)
+    return _ended(process)
