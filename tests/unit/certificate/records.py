@@ -289,11 +289,12 @@ def time_series(repeat: int) -> Figure:
         panels=(
             Panel(
                 y_label="Rate / (°/s)",
-                height=1.5,
+                height=1.0,
                 bands=(Band(x=tuple(bins), lower=tuple(lower), upper=tuple(upper)),),
                 curves=(Curve(x=tuple(bins), y=tuple(mean)),),
             ),
             Panel(
+                height=0.6,
                 y_label="60 s mean / (°/s)",
                 x_label="Time / min",
                 curves=(
@@ -323,7 +324,7 @@ def allan(repeat: int) -> Figure:
                 x_label="Averaging time τ / s",
                 x_scale=Scale.LOG,
                 y_scale=Scale.LOG,
-                height=2.4,
+                height=1.0,
                 bands=(
                     Band(
                         x=tuple(tau),
@@ -386,7 +387,7 @@ def histogram(repeat: int) -> Figure:
                 y_label="Density / (h/°)",
                 x_label="Residual / (°/h)",
                 note="σ = 10.8 °/h",
-                height=1.6,
+                height=1.0,
                 bars=Bars(edges=tuple(edges), heights=tuple(heights)),
                 curves=(Curve(x=tuple(middle), y=tuple(model), role=Role.MODEL),),
             ),

@@ -1,0 +1,249 @@
+"""What the template fills in: a run record as texts, tables and images."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime
+
+from gyrotest.certificate import appendix, statement
+from gyrotest.certificate.gauge import image_source
+from gyrotest.certificate.plots import svg
+from gyrotest.certificate.rows import LOOKS, CaseTable, Look, case_tables
+from gyrotest.records.figure import Figure, Width
+from gyrotest.records.result import Verdict
+from gyrotest.records.run import ItemRecord, RunRecord
+
+_HASH_BEGINNING = 16
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fact:
+    """A line of an identification table."""
+
+    name: str
+    value: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picture:
+    """A figure that is drawn."""
+
+    number: int
+    title: str
+    note: str
+    caption: str
+    alt: str
+    source: str
+    half: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PictureGroup:
+    """The figures of one acquisition; each row holds one figure, or two halves."""
+
+    heading: str
+    rows: tuple[tuple[Picture, ...], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class View:
+    """Everything that is printed, in the order of the pages."""
+
+    title: str
+    maker: str
+    certificate: str
+    serial_number: str
+    description: str
+    specification: str
+    watermark: str
+    look: Look
+    tally: str
+    rule: str
+    unit_facts: tuple[Fact, ...]
+    test_facts: tuple[Fact, ...]
+    banners: tuple[tuple[str, str], ...]
+    tables: tuple[CaseTable, ...]
+    conformity: str
+    decision_rules: tuple[str, ...]
+    uncertainty: str
+    operator: str
+    tested_on: str
+    conditions: tuple[str, ...]
+    deviations: tuple[str, ...]
+    pictures: tuple[PictureGroup, ...]
+    equipment: tuple[appendix.Equipment, ...]
+    budgets: tuple[appendix.Budget, ...]
+    attempts: tuple[appendix.AttemptLine, ...]
+    recordings: tuple[appendix.RecordingLine, ...]
+    hashes: tuple[Fact, ...]
+    sha256: str
+    sha256_beginning: str
+    created: str
+    keywords: str
+    generator: str
+
+
+def view(record: RunRecord, sha256: str) -> View:
+    """Prepare a record, whose JSON has this hash, for the template."""
+    header, spec = record.header, record.header.spec.spec
+    station = header.station.station
+    return View(
+        title=spec.title,
+        maker=station.laboratory or spec.manufacturer or station.name,
+        certificate=record.run_id,
+        serial_number=record.serial_number,
+        description=spec.description,
+        specification=f"{spec.document or header.spec.path} (SHA-256 {header.spec.sha256[:8]})",
+        watermark=_watermark(record),
+        look=LOOKS[record.verdict],
+        tally=statement.tally(record),
+        rule=statement.rule_names(record),
+        unit_facts=tuple(_unit_facts(record)),
+        test_facts=tuple(_test_facts(record)),
+        banners=tuple(statement.banners(record)),
+        tables=case_tables(record),
+        conformity=statement.conformity(record),
+        decision_rules=statement.decision_rules(record),
+        uncertainty=statement.uncertainty(record),
+        operator=header.operator,
+        tested_on=f"{_ended(record):%Y-%m-%d}",
+        conditions=tuple(_conditions(record)),
+        deviations=statement.deviations(record),
+        pictures=tuple(_picture_groups(record)),
+        equipment=appendix.equipment(record),
+        budgets=appendix.budgets(record),
+        attempts=appendix.attempts(record),
+        recordings=appendix.recordings(record),
+        hashes=(
+            Fact(name="Run record (attached: run.json)", value=sha256),
+            Fact(name=f"Spec {header.spec.path}", value=header.spec.sha256),
+            Fact(name=f"Station {header.station.path}", value=header.station.sha256),
+        ),
+        sha256=sha256,
+        sha256_beginning=sha256[:_HASH_BEGINNING],
+        created=f"{record.issued_utc:%Y-%m-%dT%H:%M:%SZ}",
+        keywords=f"SHA-256 {sha256}",
+        generator=f"gyrotest {header.software.get('gyrotest', '')}".strip(),
+    )
+
+
+def _watermark(record: RunRecord) -> str:
+    marks = (
+        ("SIMULATED", record.simulated),
+        ("REPLAYED", record.replayed),
+        ("INCOMPLETE", record.verdict is Verdict.INCOMPLETE),
+    )
+    return " · ".join(word for word, applies in marks if applies)
+
+
+def _unit_facts(record: RunRecord) -> Iterator[Fact]:
+    spec = record.header.spec.spec
+    yield Fact(name="Model", value=record.model)
+    yield Fact(name="Serial number", value=record.serial_number)
+    if spec.manufacturer:
+        yield Fact(name="Manufacturer", value=spec.manufacturer)
+    output = spec.output
+    nominal = [f"{output.kind.value}"]
+    nominal += [str(one) for one in (output.scale_factor, output.full_scale) if one is not None]
+    yield Fact(name="Output, nominal", value=printed_text(", ".join(nominal)))
+    for key, value in record.header.meta.items():
+        yield Fact(name=key[:1].upper() + key[1:], value=value)
+
+
+def _test_facts(record: RunRecord) -> Iterator[Fact]:
+    header, station = record.header, record.header.station.station
+    performed = "Performed (virtual)" if record.simulated else "Performed"
+    yield Fact(name=performed, value=_span(header.started_utc, _ended(record)))
+    yield Fact(name="Issued", value=f"{record.issued_utc:%Y-%m-%d %H:%M} UTC")
+    slot = f", slot {header.slot}" if header.slot else ""
+    yield Fact(name="Station", value=f"{station.name}{slot}")
+    if station.address:
+        yield Fact(name="Place", value=station.address)
+    ambient = ", ".join(f"{name} {value}" for name, value in station.ambient.items())
+    yield Fact(name="Ambient", value=ambient or appendix.NOT_STATED)
+    yield Fact(name="Operator", value=header.operator or appendix.NOT_STATED)
+    software = ", ".join(f"{name} {version}" for name, version in header.software.items())
+    yield Fact(name="Software", value=software or appendix.NOT_STATED)
+    yield Fact(name="Attempt", value=_attempt(record))
+
+
+def printed_text(text: str) -> str:
+    """A text with its units printed for people."""
+    from gyrotest.units import printed_unit
+
+    return printed_unit(text)
+
+
+def _attempt(record: RunRecord) -> str:
+    header = record.header
+    earlier = f"; earlier: {', '.join(header.earlier_runs)}" if header.earlier_runs else ""
+    return f"{header.attempt} of this serial number{earlier}"
+
+
+def _ended(record: RunRecord) -> datetime:
+    ends = [attempt.ended_utc for item in record.items for attempt in item.attempts]
+    return max(ends, default=record.header.started_utc)
+
+
+def _span(begin: datetime, end: datetime) -> str:
+    if begin.date() == end.date():
+        return f"{begin:%Y-%m-%d %H:%M}–{end:%H:%M} UTC"
+    return f"{begin:%Y-%m-%d %H:%M} – {end:%Y-%m-%d %H:%M} UTC"
+
+
+def _conditions(record: RunRecord) -> Iterator[str]:
+    yield from appendix.sampling(record)
+    station = record.header.station.station
+    if station.site is not None:
+        heading = f", heading {station.site.heading}" if station.site.heading is not None else ""
+        yield printed_text(f"Latitude {station.site.latitude}{heading}.")
+    for name, case in record.header.spec.spec.cases.items():
+        if case.mounting is not None:
+            up, north, east = case.mounting
+            yield f"Sensitive axis in {name}: up {up:g}, north {north:g}, east {east:g}."
+
+
+def _picture_groups(record: RunRecord) -> Iterator[PictureGroup]:
+    number = 0
+    for item in record.items:
+        last = item.last
+        if last is None or not last.figures:
+            continue
+        pictures = [_picture(figure, number + n) for n, figure in enumerate(last.figures, start=1)]
+        number += len(pictures)
+        yield PictureGroup(heading=_heading(record, item), rows=tuple(_in_rows(pictures)))
+
+
+def _heading(record: RunRecord, item: ItemRecord) -> str:
+    repeats = [one.plan.repeat for one in record.items if one.plan.case == item.plan.case and one.plan.repeat]
+    if item.plan.repeat is None:
+        return f"{item.plan.case}, over the repeats"
+    if len(repeats) < 2:
+        return item.plan.case
+    return f"{item.plan.case}, repeat {item.plan.repeat} of {max(repeats)}"
+
+
+def _picture(figure: Figure, number: int) -> Picture:
+    return Picture(
+        number=number,
+        title=figure.title,
+        note=figure.note,
+        caption=figure.caption,
+        alt=figure.alt or figure.title,
+        source=image_source(svg(figure)),
+        half=figure.width is Width.HALF,
+    )
+
+
+def _in_rows(pictures: list[Picture]) -> Iterator[tuple[Picture, ...]]:
+    """Put halves that follow one another side by side."""
+    waiting: list[Picture] = []
+    for picture in pictures:
+        if waiting and (not picture.half or len(waiting) == 2):
+            yield tuple(waiting)
+            waiting = []
+        if picture.half:
+            waiting.append(picture)
+        else:
+            yield (picture,)
+    if waiting:
+        yield tuple(waiting)
