@@ -113,9 +113,12 @@ def _converted(result: Result, unit: str, case: str, repeat: int | None) -> tupl
         coverage_factor=result.coverage_factor,
         at_most=result.at_most,
         condition=result.condition,
+        value=kept["value"],
+        expanded_uncertainty=kept["expanded_uncertainty"],
+        lower_95=kept["lower_95"],
+        upper_95=kept["upper_95"],
         budget=tuple(_scaled(one, factor) for one in result.budget),
         not_included=result.not_included,
-        **kept,
     )
     return judged, reason
 

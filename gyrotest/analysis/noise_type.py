@@ -81,4 +81,5 @@ def _without_line(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Take the least-squares line out."""
     abscissa = np.arange(values.size) - (values.size - 1) / 2.0
     slope = float(np.sum(abscissa * values) / np.sum(abscissa * abscissa))
-    return values - values.mean() - slope * abscissa
+    residual: NDArray[np.float64] = values - values.mean() - slope * abscissa
+    return residual

@@ -1,0 +1,1 @@
+"""Procedures: one test kind each, what it wants acquired and what it makes of it."""

@@ -1,0 +1,71 @@
+"""The static procedure: a gyro at rest, its bias and its noise."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from gyrotest.procedures.static.bias import bias_over_repeats, bias_result
+from gyrotest.procedures.static.figures import static_figures
+from gyrotest.procedures.static.noise_results import (
+    analyse_noise,
+    minimum_results,
+    stability_result,
+    walk_results,
+)
+from gyrotest.procedures.static.parameters import (
+    StaticParameters,
+    static_complaints,
+    static_measurands,
+)
+from gyrotest.procedures.static.record import static_record
+from gyrotest.records.plan import Context, Plan, Reduction
+from gyrotest.records.recording import Samples
+from gyrotest.records.result import Measurand, Result
+from gyrotest.records.spec import Case, Output
+
+
+class Static:
+    """Bias, bias stability, Allan deviation and angle random walk of a gyro at rest."""
+
+    parameters: type[Any] = StaticParameters
+
+    def measurands(self, case: Case, parameters: StaticParameters) -> tuple[Measurand, ...]:
+        """Return everything that a case with these parameters measures."""
+        return static_measurands(case, parameters)
+
+    def complaints(
+        self, case: Case, parameters: StaticParameters, output: Output
+    ) -> Iterable[tuple[str, str]]:
+        """Give what is wrong with a case beyond its types."""
+        del output  # checked with the spec: a static test asks nothing more of it
+        return static_complaints(case, parameters)
+
+    def plan(self, case: Case, parameters: StaticParameters) -> Plan:
+        """Return the acquisition of one repeat."""
+        del parameters
+        interval_s = case.interval.to("s")
+        return Plan(
+            warm_up_s=0.0 if case.warm_up is None else case.warm_up.to("s"),
+            interval_s=interval_s,
+            samples=round(case.duration.to("s") / interval_s),
+        )
+
+    def reduce(self, samples: Samples, context: Context) -> Reduction:
+        """Return results and figures of one acquisition; raises `InsufficientDataError`."""
+        parameters: StaticParameters = context.parameters
+        record = static_record(samples, context, parameters)
+        noise = analyse_noise(record)
+        results = (
+            bias_result(record, noise.model, context),
+            *(
+                stability_result(record, noise.model, smoothing, parameters, context)
+                for smoothing in parameters.smoothing
+            ),
+            *minimum_results(record, noise.overlapping, context),
+            *walk_results(record, noise.model, context),
+        )
+        figures = static_figures(record, noise, results, context)
+        return Reduction(results=results, figures=figures, remarks=record.remarks)
+
+    def reduce_repeats(self, repeats: tuple[tuple[Result, ...], ...], context: Context) -> Reduction:
+        """Return the spread of the bias over the repeats; raises `InsufficientDataError`."""
+        return Reduction(results=(bias_over_repeats(repeats, context),))

@@ -1,0 +1,232 @@
+"""The record that a static test reduces: checked, gap-free, in °/s."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrotest.analysis.continuity import Stretch, stretches_by_index, stretches_by_time, stuck_stretch
+from gyrotest.analysis.noise import SHORTEST_RECORD
+from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.static.parameters import StaticParameters
+from gyrotest.records.plan import Context
+from gyrotest.records.recording import SampleFlag, Samples, Sampling
+from gyrotest.records.spec import Gaps, Output, OutputKind
+from gyrotest.units import conversion_factor
+
+_METER_MARGIN = 3.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scaling:
+    """From an indication to a rate: `(indication·to_canonical − zero)/scale_factor`."""
+
+    to_canonical: float
+    zero: float
+    scale_factor: float
+    unit: str
+
+    def spread_dps(self, indication: float) -> float:
+        """Return a spread (always positive) of the indication as a rate, °/s."""
+        return abs(indication * self.to_canonical / self.scale_factor)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StaticRecord:
+    """A stretch of evenly spaced rates that begins `begin_s` after the recording's first sample."""
+
+    rate_dps: NDArray[np.float64]
+    begin_s: float
+    sampling: Sampling
+    scaling: Scaling
+    floor_dps: float | None
+    missing: int
+    condition: str
+    remarks: tuple[str, ...]
+
+    @property
+    def interval_s(self) -> float:
+        """Time between two samples."""
+        return self.sampling.interval_s
+
+    @property
+    def duration_s(self) -> float:
+        """Time that the record covers."""
+        return self.rate_dps.size * self.interval_s
+
+    def since(self, start_s: float) -> NDArray[np.float64]:
+        """Return the rates from a time after the recording's first sample on."""
+        first = max(round((start_s - self.begin_s) / self.interval_s), 0)
+        return self.rate_dps[first:]
+
+
+def static_record(samples: Samples, context: Context, parameters: StaticParameters) -> StaticRecord:
+    """Check the samples and turn them into rates; raises `InsufficientDataError`."""
+    sampling = samples.sampling
+    window = _window(samples, parameters)
+    stretches = tuple(_clipped(_stretches(samples, context), window))
+    used = _used(stretches, context)
+    values = samples.values[used.start : used.stop, 0]
+    _refuse_bad(values, samples.flags[used.start : used.stop], used.start)
+    if used.size < SHORTEST_RECORD:
+        raise InsufficientDataError(
+            f"{context.case_name}: {used.size} samples are left; an Allan deviation needs {SHORTEST_RECORD}"
+        )
+    _refuse_lifeless(values, sampling, used.start)
+    scaling = output_scaling(context.output, sampling.unit)
+    whole = len(stretches) == 1
+    note = "" if whole else f"longest gap-free stretch, {used.size} of {window.size} samples"
+    return StaticRecord(
+        rate_dps=_rates(values, scaling),
+        begin_s=_begin_s(samples, used.start),
+        sampling=sampling,
+        scaling=scaling,
+        floor_dps=None if sampling.noise is None else scaling.spread_dps(sampling.noise),
+        missing=_missing(samples, context),
+        condition=note,
+        remarks=()
+        if whole
+        else (f"The record has gaps; used: samples {used.start} … {used.stop - 1}.",),
+    )
+
+
+def output_scaling(output: Output, unit: str) -> Scaling:
+    """Return how an indication in a unit becomes a rate."""
+    voltage = output.kind is OutputKind.VOLTAGE
+    canonical = "V" if voltage else "deg/s"
+    scale_factor = 1.0
+    if output.scale_factor is not None:
+        scale_factor = output.scale_factor.to("V*s/deg" if voltage else "")
+    elif voltage:
+        raise InsufficientDataError("output.scale_factor is not given; a voltage is no rate without it")
+    return Scaling(
+        to_canonical=conversion_factor(unit, canonical),
+        zero=0.0 if output.zero_rate is None else output.zero_rate.to(canonical),
+        scale_factor=scale_factor,
+        unit=canonical,
+    )
+
+
+def _rates(values: NDArray[np.float64], scaling: Scaling) -> NDArray[np.float64]:
+    """Scale in place of one new array, or take the values as they are."""
+    factor = scaling.to_canonical / scaling.scale_factor
+    offset = scaling.zero / scaling.scale_factor
+    if factor == 1.0 and offset == 0.0:
+        return values
+    rate = values * factor
+    rate -= offset
+    rate.setflags(write=False)
+    return rate
+
+
+def _window(samples: Samples, parameters: StaticParameters) -> Stretch:
+    count, interval_s = samples.values.shape[0], samples.sampling.interval_s
+    if parameters.window is None:
+        return Stretch(start=0, stop=count)
+    begin, end = (round(one.to("s") / interval_s) for one in parameters.window)
+    if samples.index is None:
+        start, stop = begin, end
+    else:
+        first = int(samples.index[0])
+        start, stop = (int(one) for one in np.searchsorted(samples.index, (first + begin, first + end)))
+    if not start < stop <= count or (samples.index is None and end > count):
+        length_s = count * interval_s
+        raise InsufficientDataError(
+            f"the window [{parameters.window[0]}, {parameters.window[1]}) ends beyond the record of {length_s:g} s"
+        )
+    return Stretch(start=start, stop=stop)
+
+
+def _stretches(samples: Samples, context: Context) -> tuple[Stretch, ...]:
+    if samples.time_s is not None:
+        return stretches_by_time(samples.time_s, interval_s=samples.sampling.interval_s)
+    if samples.index is not None:
+        return stretches_by_index(samples.index)
+    if context.gaps:
+        return stretches_by_index(_index_from_gaps(samples.values.shape[0], context))
+    return (Stretch(start=0, stop=samples.values.shape[0]),)
+
+
+def _index_from_gaps(count: int, context: Context) -> NDArray[np.int64]:
+    index = np.arange(count, dtype=np.int64)
+    for gap in sorted(context.gaps, key=lambda one: one.after):
+        index[index > gap.after] += gap.missing
+    return index
+
+
+def _clipped(stretches: tuple[Stretch, ...], window: Stretch) -> Iterator[Stretch]:
+    for one in stretches:
+        start, stop = max(one.start, window.start), min(one.stop, window.stop)
+        if start < stop:
+            yield Stretch(start=start, stop=stop)
+
+
+def _used(stretches: tuple[Stretch, ...], context: Context) -> Stretch:
+    if not stretches:
+        raise InsufficientDataError(f"{context.case_name}: the record has no samples")
+    if len(stretches) > 1 and context.case.gaps is Gaps.REFUSE:
+        places = ", ".join(str(one.stop - 1) for one in stretches[:-1][:3])
+        more = "" if len(stretches) <= 4 else f" and {len(stretches) - 4} more"
+        raise InsufficientDataError(
+            f"{context.case_name}: {len(stretches) - 1} gaps in the record, after samples {places}{more}"
+            f"{_reasons(context)}; with 'gaps: longest_stretch' the longest part is used"
+        )
+    return max(stretches, key=lambda one: one.size)
+
+
+def _reasons(context: Context) -> str:
+    reasons = sorted({gap.reason for gap in context.gaps if gap.reason})
+    return f" ({'; '.join(reasons[:3])})" if reasons else ""
+
+
+def _missing(samples: Samples, context: Context) -> int:
+    if samples.index is not None:
+        return int(samples.index[-1]) - int(samples.index[0]) + 1 - samples.index.size
+    return sum(gap.missing for gap in context.gaps)
+
+
+def _begin_s(samples: Samples, start: int) -> float:
+    if samples.time_s is not None:
+        return float(samples.time_s[start] - samples.time_s[0])
+    if samples.index is not None:
+        return int(samples.index[start] - samples.index[0]) * samples.sampling.interval_s
+    return start * samples.sampling.interval_s
+
+
+def _refuse_bad(values: NDArray[np.float64], flags: NDArray[np.uint8], start: int) -> None:
+    if flags.any():
+        bad = np.flatnonzero(flags)
+        first = int(bad[0])
+        kind = SampleFlag(int(flags[first])).name or "flagged"
+        raise InsufficientDataError(
+            f"sample {start + first} is flagged {kind.lower().replace('_', ' ')}"
+            f" ({bad.size} of {flags.size} samples are); a result needs every sample"
+        )
+    if not np.isfinite(values.sum()) and not np.isfinite(values).all():
+        first = int(np.flatnonzero(~np.isfinite(values))[0])
+        raise InsufficientDataError(
+            f"sample {start + first} is {values[first]}; a result needs every sample"
+        )
+
+
+def _refuse_lifeless(values: NDArray[np.float64], sampling: Sampling, start: int) -> None:
+    """Refuse a record that is no gyro's: constant, stuck, or no more than the meter's own noise."""
+    if values.min() == values.max():
+        raise InsufficientDataError(
+            f"all {values.size} samples read {values[0]:.9g} {sampling.unit}: signal not distinguishable"
+            " from the meter; is the gyro connected and powered?"
+        )
+    stuck = stuck_stretch(values)
+    if stuck is not None:
+        raise InsufficientDataError(
+            f"samples {start + stuck.start} … {start + stuck.stop - 1} all read"
+            f" {values[stuck.start]:.9g} {sampling.unit}: the reading is stuck"
+        )
+    spread = float(values.std(ddof=1))
+    if sampling.noise is not None and spread < _METER_MARGIN * sampling.noise:
+        raise InsufficientDataError(
+            f"signal not distinguishable from the meter: its standard deviation is {spread:.3g}"
+            f" {sampling.unit}, the meter's own noise {sampling.noise:.3g} {sampling.unit}"
+            f" (at least {_METER_MARGIN:g} times that is expected); is the gyro connected and powered?"
+        )

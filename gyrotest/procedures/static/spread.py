@@ -1,0 +1,75 @@
+"""Results that are spreads: a 95 % interval which the scale factor's uncertainty joins."""
+
+import math
+from dataclasses import dataclass
+
+from gyrotest.analysis.interval import NORMAL_95
+from gyrotest.records.plan import Context
+from gyrotest.records.result import Result
+from gyrotest.records.spec import OutputKind
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spread:
+    """A spread and its 95 % interval; `at_most`: only an upper bound is known."""
+
+    value: float
+    lower: float
+    upper: float
+    at_most: bool = False
+
+    def times(self, factor: float) -> "Spread":
+        """Return the spread in another unit."""
+        return Spread(
+            value=self.value * factor,
+            lower=self.lower * factor,
+            upper=self.upper * factor,
+            at_most=self.at_most,
+        )
+
+    def widened(self, relative: float) -> "Spread":
+        """Return the spread with a relative standard uncertainty in its interval, added in squares."""
+        more = NORMAL_95 * relative * self.value
+        return Spread(
+            value=self.value,
+            lower=max(self.value - math.hypot(self.value - self.lower, more), 0.0),
+            upper=self.value + math.hypot(self.upper - self.value, more),
+            at_most=self.at_most,
+        )
+
+
+def spread_result(
+    spread: Spread, *, name: str, label: str, unit: str, condition: str, context: Context
+) -> Result:
+    """Return a spread as a result, its interval widened by the scale's uncertainty."""
+    widened = spread.widened(_relative_scale_uncertainty(context))
+    return Result(
+        name=name,
+        label=label,
+        value=widened.value,
+        unit=unit,
+        lower_95=0.0 if widened.at_most else widened.lower,
+        upper_95=widened.upper,
+        at_most=widened.at_most,
+        condition=condition,
+        not_included=_not_included(context),
+    )
+
+
+def _relative_scale_uncertainty(context: Context) -> float:
+    """Combine the half-widths (rectangular) of the scale factor and the meter's gain."""
+    half_widths = []
+    if context.output.scale_factor_uncertainty is not None:
+        half_widths.append(context.output.scale_factor_uncertainty.to(""))
+    if context.accuracy is not None:
+        half_widths.append(context.accuracy.of_reading.to(""))
+    return math.sqrt(sum(one**2 for one in half_widths) / 3.0)
+
+
+def _not_included(context: Context) -> tuple[str, ...]:
+    missing = []
+    if context.output.kind is OutputKind.VOLTAGE and context.accuracy is None:
+        missing.append("accuracy of the meter")
+    if context.output.scale_factor_uncertainty is None:
+        missing.append("uncertainty of the scale factor")
+    return tuple(missing)
