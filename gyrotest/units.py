@@ -267,8 +267,8 @@ class OfDimension:
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
         """Describe the field as text of the form `NUMBER UNIT`."""
-        described: dict[str, Any] = {"type": "string", "pattern": QUANTITY_PATTERN}
+        spoken = " or ".join(one.spoken() for one in self.dimensions) or "a quantity"
+        described: dict[str, Any] = {"type": "string", "pattern": QUANTITY_PATTERN, "x-quantity": spoken}
         if self.dimensions:
-            described["description"] = " or ".join(one.spoken() for one in self.dimensions)
             described["examples"] = [one.example() for one in self.dimensions]
         return described

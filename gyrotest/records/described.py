@@ -15,6 +15,6 @@ class Described:
         """Put the description into the field's JSON Schema."""
         described: dict[str, Any] = handler(schema)
         described["description"] = self.text
-        if self.example and "examples" not in described:
+        if self.example:
             described["examples"] = [self.example]
         return described

@@ -31,8 +31,8 @@ def case_complaints(
         return
     try:
         procedure = procedures(case.procedure)
-    except GyrotestError as error:
-        yield Complaint((*key, "procedure"), str(error))
+    except (GyrotestError, ImportError) as error:
+        yield Complaint((*key, "procedure"), f"cannot be used: {error}")
         return
     yield from _procedure_complaints(case, output, procedure, key, known)
 

@@ -17,7 +17,13 @@ from gyrotest.specification.yaml_document import read_yaml
 from gyrotest.specification.yaml_tree import KeyPath
 from gyrotest.units import Quantity
 
-SIMULATED = ("simulated", "simulated:tcp", "simulated:pty", "simulated:prologix")
+SIMULATED = (
+    "simulated",
+    "simulated:tcp",
+    "simulated:pty",
+    "simulated:prologix",
+    "simulated:prologix-pty",
+)
 LINE_FREQUENCIES_HZ = (50.0, 60.0)
 
 Drivers = Callable[[str], Any]
@@ -144,8 +150,8 @@ def _driver_complaints(
         return
     try:
         driver = drivers(instrument.driver)
-    except GyrotestError as error:
-        yield Complaint((*key, "driver"), str(error))
+    except (GyrotestError, ImportError) as error:
+        yield Complaint((*key, "driver"), f"cannot be used: {error}")
         return
     yield from section(instrument.settings, driver.settings, (*key, "settings")).complaints
 

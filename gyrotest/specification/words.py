@@ -24,6 +24,8 @@ def in_words(kind: str, original: str, found: Any, shape: Shape | None, name: st
     """
     if kind == "quantity" or shape is None:
         return original
+    if kind in {"value_error", "assertion_error"}:
+        return original.partition(", ")[2]
     if kind == "missing":
         return _missing(shape, name)
     if shape.is_choice and isinstance(found, str):
