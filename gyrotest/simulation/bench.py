@@ -16,7 +16,8 @@ from gyrotest.simulation.converter import Converter, MeterErrors
 from gyrotest.simulation.dialogue import Dialogue, LineDialogue
 from gyrotest.simulation.faults import Faults
 from gyrotest.simulation.gyro import GyroOutput, GyroParameters, RailedOutput, Signal, SteadyOutput, Unit
-from gyrotest.simulation.meter import Interface, Meter
+from gyrotest.simulation.meter import Meter
+from gyrotest.simulation.meter_state import Interface
 from gyrotest.simulation.noise import RateNoise
 from gyrotest.simulation.personalities import MODELS, command_table
 from gyrotest.simulation.prologix import PrologixDialogue

@@ -28,8 +28,7 @@ class VirtualClock:
     def sleep_until(self, deadline_s: float) -> None:
         """Move the time to the deadline, never back."""
         with self._lock:
-            if deadline_s > self._now_s:
-                self._now_s = deadline_s
+            self._now_s = max(self._now_s, deadline_s)
 
     def advance(self, duration_s: float) -> None:
         """Move the time on by a duration; raises `ValueError` if it is negative."""

@@ -3,7 +3,8 @@
 from collections.abc import Iterable, Iterator
 from typing import Protocol
 
-from gyrotest.simulation.meter import Interface, Meter
+from gyrotest.simulation.meter import Meter
+from gyrotest.simulation.meter_state import Interface
 
 # Replies on their way: when each part is ready, s, and its bytes.
 Parts = Iterable[tuple[float, bytes]]

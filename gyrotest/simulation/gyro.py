@@ -83,7 +83,8 @@ class GyroOutput:
     ) -> NDArray[np.float64]:
         """Mean outputs over `count` apertures that begin every `spacing_s`, (count,), V."""
         rate = self._noise.means(start_s, aperture_s, spacing_s, count)
-        rate += self._unit.drifts_dps(start_s + spacing_s * np.arange(count), aperture_s)
+        starts_s = start_s + spacing_s * np.arange(count, dtype=np.float64)
+        rate += self._unit.drifts_dps(starts_s, aperture_s)
         unit = self._unit
         return unit.scale_factor_v_per_dps * (self._constant_dps + rate) + unit.parameters.zero_rate_v
 

@@ -1,13 +1,14 @@
-"""The commands that all simulated multimeters understand, as functions of a meter and parameters."""
+"""The measuring commands that all simulated multimeters understand, as functions of a meter."""
 
-import functools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from gyrotest.simulation.converter import OVERLOAD_V, RANGES_V, resolution
-from gyrotest.simulation.meter import Meter, Settings
+from gyrotest.simulation.converter import RANGES_V, resolution
+from gyrotest.simulation.meter import Meter
+from gyrotest.simulation.meter_actions import ascii_reading, ascii_readings, getter, limits_query, setter
+from gyrotest.simulation.meter_state import Settings
 from gyrotest.simulation.scpi import (
     Action,
     Answer,
@@ -22,61 +23,6 @@ from gyrotest.simulation.scpi import (
 
 _LONGEST_DELAY_S = 3600.0
 _MOST_TRIGGERS = 50_000
-
-
-def ascii_reading(value: float) -> str:
-    """A reading as the meter prints it: `+2.51234567E+00`."""
-    return f"{value:+.8E}"
-
-
-def ascii_readings(values: Sequence[float]) -> bytes:
-    """Readings as the meter prints them, separated by commas."""
-    return ",".join(map(ascii_reading, values)).encode()
-
-
-def _real(value: float) -> str:
-    return ascii_reading(OVERLOAD_V if math.isinf(value) else value)
-
-
-def setter(change: Callable[[Meter, str], None]) -> Action[Meter]:
-    """An action with one parameter that changes the measurement: it ends what is under way."""
-
-    @functools.wraps(change)
-    def action(meter: Meter, parameters: Sequence[str]) -> None:
-        change(meter, one(parameters))
-        meter.abort()
-        meter.memory.clear()
-
-    return action
-
-
-def getter(value: Callable[[Meter], str]) -> Action[Meter]:
-    """A query without parameters."""
-
-    @functools.wraps(value)
-    def action(meter: Meter, parameters: Sequence[str]) -> str:
-        none(parameters)
-        return value(meter)
-
-    return action
-
-
-def limits_query(
-    value: Callable[[Meter], float], least: Callable[[Meter], float], most: Callable[[Meter], float]
-) -> Action[Meter]:
-    """A query of a number, or of its limits with MIN or MAX as parameter."""
-
-    def action(meter: Meter, parameters: Sequence[str]) -> str:
-        if not parameters:
-            return _real(value(meter))
-        asked = keyword(one(parameters), "MINimum", "MAXimum", "DEFault")
-        return _real({"MIN": least, "MAX": most}.get(asked, value)(meter))
-
-    return action
-
-
-def _accepted(meter: Meter, parameters: Sequence[str]) -> None:
-    """Accept what changes nothing here (display, beeper)."""
 
 
 # Measurement function, range, integration time
@@ -252,104 +198,11 @@ def _points(meter: Meter) -> str:
     return f"{len(meter.memory):+d}"
 
 
-# IEEE 488.2 and SYSTem
-
-
-def _reset(meter: Meter, parameters: Sequence[str]) -> None:
-    none(parameters)
-    meter.abort()
-    meter.memory.clear()
-    meter.settings = Settings()
-
-
-def _clear_status(meter: Meter, parameters: Sequence[str]) -> None:
-    none(parameters)
-    meter.errors.clear()
-    meter.status.event = meter.status.questionable_event = 0
-
-
-def _identity(meter: Meter) -> str:
-    model = meter.model
-    return f"{model.manufacturer},{model.name},{meter.serial_number},{model.firmware}"
-
-
-def _operation_complete(meter: Meter, parameters: Sequence[str]) -> None:
-    none(parameters)
-    meter.finish()
-    meter.status.event |= 1
-
-
-def _is_complete(meter: Meter) -> str:
-    meter.finish()
-    return "1"
-
-
-def _status_byte(meter: Meter) -> str:
-    return f"{meter.status_byte():+d}"
-
-
-def _event_status(meter: Meter) -> str:
-    event, meter.status.event = meter.status.event, 0
-    return f"{event:+d}"
-
-
-def _set_event_enable(meter: Meter, parameters: Sequence[str]) -> None:
-    meter.status.event_enable = int(number(one(parameters), least=0, most=255))
-
-
-def _set_service_enable(meter: Meter, parameters: Sequence[str]) -> None:
-    meter.status.service_enable = int(number(one(parameters), least=0, most=255))
-
-
-def _remote(meter: Meter, parameters: Sequence[str]) -> None:
-    none(parameters)
-    meter.remote = True
-
-
-def _local(meter: Meter, parameters: Sequence[str]) -> None:
-    none(parameters)
-    meter.remote = False
-
-
-def _questionable_event(meter: Meter) -> str:
-    meter.catch_up()
-    event, meter.status.questionable_event = meter.status.questionable_event, 0
-    return f"{event:+d}"
-
-
-def _set_questionable_enable(meter: Meter, parameters: Sequence[str]) -> None:
-    meter.status.questionable_enable = int(number(one(parameters), least=0, most=32767))
-
-
 def _most_voltage(meter: Meter) -> float:  # noqa: ARG001 - the same for all
     return RANGES_V[-1]
 
 
-COMMON: Mapping[str, Action[Meter]] = {
-    "*IDN?": getter(_identity),
-    "*RST": _reset,
-    "*CLS": _clear_status,
-    "*OPC": _operation_complete,
-    "*OPC?": getter(_is_complete),
-    "*STB?": getter(_status_byte),
-    "*ESR?": getter(_event_status),
-    "*ESE": _set_event_enable,
-    "*ESE?": getter(lambda meter: f"{meter.status.event_enable:+d}"),
-    "*SRE": _set_service_enable,
-    "*SRE?": getter(lambda meter: f"{meter.status.service_enable:+d}"),
-    "*TST?": getter(lambda _: "+0"),
-    "*WAI": lambda meter, parameters: (none(parameters), meter.finish())[1],
-    "*TRG": _trigger,
-    "SYSTem:ERRor?": getter(lambda meter: meter.errors.pop()),
-    "SYSTem:ERRor:NEXT?": getter(lambda meter: meter.errors.pop()),
-    "SYSTem:VERSion?": getter(lambda meter: meter.model.scpi_version),
-    "SYSTem:REMote": _remote,
-    "SYSTem:RWLock": _remote,
-    "SYSTem:LOCal": _local,
-    "SYSTem:BEEPer[:IMMediate]": _accepted,
-    "DISPlay[:WINDow][:STATe]": lambda meter, parameters: (boolean(one(parameters)), None)[1],
-    "DISPlay[:WINDow]:TEXT[:DATA]": _accepted,
-    "DISPlay[:WINDow]:TEXT:CLEar": _accepted,
+MEASURING: Mapping[str, Action[Meter]] = {
     "CONFigure[:VOLTage][:DC]": _configure,
     "CONFigure?": getter(_configuration),
     "MEASure[:VOLTage][:DC]?": _measure,
@@ -390,11 +243,9 @@ COMMON: Mapping[str, Action[Meter]] = {
     "TRIGger:SOURce": setter(_set_trigger_source),
     "TRIGger:SOURce?": getter(lambda meter: meter.settings.trigger_source),
     "INITiate[:IMMediate]": _initiate,
+    "*TRG": _trigger,
     "ABORt": _abort,
     "READ?": _read,
     "FETCh?": _fetch,
     "DATA:POINts?": getter(_points),
-    "STATus:QUEStionable[:EVENt]?": getter(_questionable_event),
-    "STATus:QUEStionable:ENABle": _set_questionable_enable,
-    "STATus:QUEStionable:ENABle?": getter(lambda meter: f"{meter.status.questionable_enable:+d}"),
 }

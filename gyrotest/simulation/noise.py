@@ -118,7 +118,7 @@ class RateNoise:
     def _gap_spread(self, gap_s: float) -> NDArray[np.float64]:
         """Standard deviations of the states after a gap that they enter as known, (n,)."""
         fast = self._variance * -np.expm1(-2.0 * gap_s / self._tau_s)
-        return np.sqrt(np.append(fast, self._rate_random_walk**2 * gap_s))
+        return np.asarray(np.sqrt(np.append(fast, self._rate_random_walk**2 * gap_s)), dtype=np.float64)
 
     def _new_step(self, gap_s: float, aperture_s: float) -> _Step:
         if gap_s < 0.0 or aperture_s <= 0.0:

@@ -4,17 +4,11 @@ import functools
 import math
 from collections.abc import Mapping, Sequence
 
-from gyrotest.simulation.meter import Meter, Model
-from gyrotest.simulation.meter_commands import (
-    COMMON,
-    ascii_readings,
-    formatted,
-    getter,
-    limits_query,
-    set_autozero,
-    set_impedance,
-    setter,
-)
+from gyrotest.simulation.meter import Meter
+from gyrotest.simulation.meter_actions import ascii_readings, getter, limits_query, setter
+from gyrotest.simulation.meter_commands import MEASURING, formatted, set_autozero, set_impedance
+from gyrotest.simulation.meter_state import Model
+from gyrotest.simulation.meter_system import SYSTEM
 from gyrotest.simulation.scpi import Action, Answer, ScpiError, Table, block, keyword, none, number, one
 
 _LONGEST_TIMER_S = 3600.0
@@ -176,4 +170,4 @@ _ONLY_34465A: Mapping[str, Action[Meter]] = {
 def command_table(name: str) -> Table[Meter]:
     """The command table of a model."""
     own = {AGILENT_34401A.name: _ONLY_34401A, KEYSIGHT_34465A.name: _ONLY_34465A}
-    return Table({**COMMON, **own[name]})
+    return Table({**SYSTEM, **MEASURING, **own[name]})

@@ -4,7 +4,8 @@ from collections.abc import Callable, Iterator, Mapping
 
 from gyrotest.ports import Clock
 from gyrotest.simulation.dialogue import Parts
-from gyrotest.simulation.meter import Interface, Meter, Reply
+from gyrotest.simulation.meter import Meter
+from gyrotest.simulation.meter_state import Interface, Reply
 
 _ESCAPE = 27
 _ENDS = (10, 13)

@@ -75,7 +75,7 @@ class ErrorQueue:
 
 
 def spellings(pattern: str) -> Iterator[str]:
-    """Every accepted spelling of a header, in capitals: `[SENSe:]ZERO` gives ZERO, SENS:ZERO, …"""
+    """Every accepted spelling of a header: `[SENSe:]ZERO` gives ZERO, SENS:ZERO and SENSE:ZERO."""
     nodes: list[tuple[str, ...]] = []
     for optional, required in _NODE.findall(pattern):
         node = optional or required

@@ -11,7 +11,7 @@ from typing import Protocol, Self
 
 from gyrotest.ports import Clock
 from gyrotest.simulation.dialogue import Dialogue
-from gyrotest.simulation.meter import HangUp
+from gyrotest.simulation.meter_state import HangUp
 
 _CHUNK = 65_536
 _JOIN_S = 1.0

@@ -62,20 +62,20 @@ def gyro_parameters(
     if output.bandwidth is not None:
         given = {"bandwidth": str(output.bandwidth), **given}
     values, faults = _quantities(given, _GYRO, "simulation.gyro")
-    if output.kind is not OutputKind.VOLTAGE or output.scale_factor is None:
+    scale_factor = output.scale_factor
+    if output.kind is not OutputKind.VOLTAGE or scale_factor is None:
         faults.append(
             _fault(
                 "simulation",
                 "the simulated bench needs a spec with a voltage output and its scale_factor",
             )
         )
-    if faults:
+    if faults or scale_factor is None:
         raise StationError(faults)
     for name, factor in (factors or {}).items():
         values[name] *= factor
-    assert output.scale_factor is not None  # noqa: S101 - complained about above
     return GyroParameters(
-        scale_factor_v_per_dps=output.scale_factor.to(Dimension.SCALE_FACTOR_VOLTAGE),
+        scale_factor_v_per_dps=scale_factor.to(Dimension.SCALE_FACTOR_VOLTAGE),
         zero_rate_v=output.zero_rate.to(Dimension.VOLTAGE) if output.zero_rate else 0.0,
         noise=NoiseDensities(
             angle_random_walk_dps_sqrt_s=values["angle_random_walk"],
