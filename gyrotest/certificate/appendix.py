@@ -137,7 +137,10 @@ def sampling(record: RunRecord) -> tuple[str, ...]:
         f"One sample every {plain(way.interval_s)} s is the mean of {way.readings} reading"
         f"{'' if way.readings == 1 else 's'} of {plain(way.aperture_s * 1000, digits=4)} ms: the signal is "
         f"integrated for {plain(100 * way.duty, digits=3)} % of the time."
-        + (" White noise read through the dead time is folded; see the results' conditions." * (way.duty < 0.999))
+        + (
+            " White noise read through the dead time is folded; see the results' conditions."
+            * (way.duty < 0.999)
+        )
         for way in ways
     )
 
@@ -147,9 +150,13 @@ def _equipment(record: RunRecord) -> Iterator[Equipment]:
     station = record.header.station.station
     for name, instrument in station.instruments.items():
         found = list(dict.fromkeys(use.identity for use in uses if use.name == name))
-        for identity in found or [None]:
+        if not found:
+            yield _entry(record, name, instrument, None)
+        for identity in found:
             yield _entry(record, name, instrument, identity)
-    strangers: dict[str, InstrumentUse] = {use.name: use for use in uses if use.name not in station.instruments}
+    strangers: dict[str, InstrumentUse] = {
+        use.name: use for use in uses if use.name not in station.instruments
+    }
     for name, use in strangers.items():
         yield _entry(record, name, None, use.identity)
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 _CHARACTER = 0.56  # mean width of a character, in font sizes
 _HEIGHT = 1.25
 _GAP = 4.0
+_DISTANCES = (4.0, 8.0, 14.0, 20.0, 28.0, 36.0, 46.0)  # of a mark's text, the nearest is tried first
 _SPACING = 3.0
 
 
@@ -77,7 +78,7 @@ class Layout:
         width, height = self._size(text)
         return self._best(
             Box(left=left, top=top, width=width, height=height)
-            for distance in (_GAP, 2 * _GAP, 4 * _GAP, 7 * _GAP)
+            for distance in _DISTANCES
             for left in (x + distance, x - width - distance, x - width / 2)
             for top in (y - height - distance, y + distance, y - height / 2)
         )

@@ -1,6 +1,5 @@
 """The certificate as PDF/A-3u, drawn from a run record and from nothing else."""
 
-import base64
 import ctypes
 import os
 import re
@@ -24,6 +23,10 @@ if TYPE_CHECKING:
 RECORD_NAME = "run.json"
 RESULTS_NAME = "results.csv"
 _FONTS = (("Inter-Regular.ttf", 400), ("Inter-SemiBold.ttf", 600))
+_FACES = "".join(
+    f"@font-face{{font-family:Inter;font-weight:{weight};src:url(font:{name})}}"
+    for name, weight in _FONTS
+)
 _LIBRARIES = ("gobject-2.0", "pango-1.0", "harfbuzz", "fontconfig", "pangoft2-1.0")
 _UNSAFE = re.compile(r"[^A-Za-z0-9.-]+")
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f\ufffe\uffff\ud800-\udfff]")
@@ -37,7 +40,9 @@ _INSTALL = {
 
 def ensure_renderer() -> None:
     """Find the libraries that a certificate needs; raises `RefusedError` saying what to install."""
-    if sys.platform == "linux" and all(_loads(f"lib{name}.so.0", f"lib{name}.so.1") for name in _LIBRARIES):
+    if sys.platform == "linux" and all(
+        _loads(f"lib{name}.so.0", f"lib{name}.so.1") for name in _LIBRARIES
+    ):
         return
     try:
         _weasyprint()
@@ -103,9 +108,8 @@ def _html(record: RunRecord, digest: str) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    style = jinja2.utils.markupsafe.Markup(_template("certificate.css"))
     shown = view(printable(record), digest)
-    return environment.get_template("certificate.html.j2").render(view=shown, style=style)
+    return environment.get_template("certificate.html.j2").render(view=shown)
 
 
 def printable(value: Any) -> Any:
@@ -135,25 +139,29 @@ def _document(html: str) -> Any:
     fetcher = URLFetcher(allowed_protocols=["data"], fail_on_errors=True)
     fonts = FontConfiguration()
     try:
-        faces = weasyprint.CSS(string=_font_faces(), font_config=fonts, url_fetcher=fetcher)
+        faces = weasyprint.CSS(string=_FACES, font_config=fonts, url_fetcher=_bundled_font)
         page = weasyprint.HTML(string=html, url_fetcher=fetcher, base_url=None)
         return page.render(stylesheets=[faces], font_config=fonts)
     except FatalURLFetchingError as error:
         raise CertificateError(f"the certificate refers to something outside itself: {error}") from error
 
 
-def _font_faces() -> str:
-    fonts = resources.files("gyrotest.certificate") / "fonts"
-    return "".join(
-        f"@font-face{{font-family:Inter;font-weight:{weight};"
-        f"src:url(data:font/ttf;base64,{base64.b64encode((fonts / name).read_bytes()).decode()})}}"
-        for name, weight in _FONTS
-    )
+def _bundled_font(url: str) -> Any:
+    """Answer the certificate's own style sheet of fonts, which asks for nothing else."""
+    from weasyprint.urls import URLFetcherResponse
+
+    name = url.removeprefix("font:")
+    content = (resources.files("gyrotest.certificate") / "fonts" / name).read_bytes()
+    return URLFetcherResponse(url, content, {"Content-Type": "font/ttf"})
 
 
 def _attachment(library: Any, name: str, data: bytes, relationship: str, record: RunRecord) -> Any:
     return library.Attachment(
-        string=data, name=name, relationship=relationship, created=record.issued_utc, modified=record.issued_utc
+        string=data,
+        name=name,
+        relationship=relationship,
+        created=record.issued_utc,
+        modified=record.issued_utc,
     )
 
 

@@ -4,6 +4,7 @@ Written out directly: a general plotting library needs longer for its import and
 than all the rest of a certificate, and text stays text here, in the certificate's own font.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from html import escape
 
@@ -106,7 +107,8 @@ def _texts(panel: Panel, x: Axis, y: Axis, layout: Layout) -> Iterator[str]:
         left, top = float(x.place(mark.x)), float(y.place(mark.y))
         layout.taken.append(Box(left=left - 2.5, top=top - 2.5, width=5, height=5))
         yield f'<circle cx="{left:.1f}" cy="{top:.1f}" r="2.2" fill="{_STYLES[Role.DATA][0]}"/>'
-        yield _label(mark.label, layout.around(mark.label, left, top), _INK)
+        box = layout.around(mark.label, left, top)
+        yield _leader(left, top, box) + _label(mark.label, box, _INK)
     for curve in panel.curves:
         if curve.label:
             box = layout.along(curve.label, x.place(curve.x), y.place(curve.y))
@@ -188,10 +190,19 @@ def _scaled(label: str, drawn: Axis) -> str:
     return f"{label}, × {times_ten(drawn.exponent)}" if drawn.exponent else label
 
 
+def _leader(x: float, y: float, box: Box) -> str:
+    """Join a mark to its text where that stands away from it."""
+    end_x = min(max(x, box.left), box.left + box.width)
+    end_y = min(max(y, box.top), box.top + box.height)
+    if math.hypot(end_x - x, end_y - y) < 7:
+        return ""
+    return f'<path d="M{x:.1f} {y:.1f}L{end_x:.1f} {end_y:.1f}" stroke="{_FAINT}" stroke-width="0.5"/>'
+
+
 def _label(text: str, box: Box, colour: str) -> str:
     return (
         f'<rect x="{box.left:.1f}" y="{box.top:.1f}" width="{box.width:.1f}" height="{box.height:.1f}" '
-        f'fill="#ffffff" fill-opacity="0.75"/>'
+        f'fill="#ffffff" fill-opacity="0.7"/>'
     ) + _text(
         text, box.left + box.width / 2, box.top + box.height * 0.76, anchor="middle", colour=colour
     )

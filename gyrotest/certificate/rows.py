@@ -154,17 +154,8 @@ RULE_WORDS = {
 
 def _row(result: JudgedResult) -> Row:
     look = LOOKS[result.verdict] if result.verdict else None
-    repeat = "all" if result.repeat is None else str(result.repeat)
     if result.value is None:
-        return Row(
-            repeat=repeat,
-            value=ABSENT,
-            spread="",
-            factor="",
-            gauge=None,
-            look=look,
-            reason=result.reason,
-        )
+        return _empty_row(result, look)
     shown = printed(
         result.value,
         uncertainty=result.expanded_uncertainty,
@@ -185,6 +176,19 @@ def _row(result: JudgedResult) -> Row:
         gauge=gauge(result, look.colour if look else "#4b5563"),
         look=look,
         reason=result.reason,
+    )
+
+
+def _empty_row(result: JudgedResult, look: Look | None) -> Row:
+    return Row(
+        repeat=_repeat(result),
+        condition=result.condition,
+        value=ABSENT,
+        spread="",
+        factor="",
+        gauge=None,
+        look=look,
+        reason=result.reason or "not evaluated",
     )
 
 

@@ -45,9 +45,8 @@ def tally(record: RunRecord) -> str:
 def rule_names(record: RunRecord) -> str:
     """The decision rules in a few words, for the verdict's block."""
     rules = _rules(record)
-    if len(rules) > 1:
-        return "rules: see the statement of conformity"
-    return f"rule: {RULE_WORDS[rules[0]]}" if rules else "no decision rule applied"
+    names = ", ".join(RULE_WORDS[rule] for rule in rules)
+    return f"rule{'s' * (len(rules) > 1)}: {names}" if rules else "no decision rule applied"
 
 
 def banners(record: RunRecord) -> Iterator[tuple[str, str]]:

@@ -1,7 +1,8 @@
 """What the template fills in: a run record as texts, tables and images."""
 
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 from gyrotest.certificate import appendix, statement
@@ -11,8 +12,10 @@ from gyrotest.certificate.rows import LOOKS, CaseTable, Look, case_tables
 from gyrotest.records.figure import Figure, Width
 from gyrotest.records.result import Verdict
 from gyrotest.records.run import ItemRecord, RunRecord
+from gyrotest.units import printed_unit
 
 _HASH_BEGINNING = 16
+_DEGREES = re.compile(r" °(?![/A-Z])")  # an angle's sign follows its number at once
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,7 +36,6 @@ class Picture:
     caption: str
     alt: str
     source: str
-    half: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -168,9 +170,7 @@ def _test_facts(record: RunRecord) -> Iterator[Fact]:
 
 def printed_text(text: str) -> str:
     """A text with its units printed for people."""
-    from gyrotest.units import printed_unit
-
-    return printed_unit(text)
+    return _DEGREES.sub("°", printed_unit(text))
 
 
 def _attempt(record: RunRecord) -> str:
@@ -205,16 +205,19 @@ def _conditions(record: RunRecord) -> Iterator[str]:
 def _picture_groups(record: RunRecord) -> Iterator[PictureGroup]:
     number = 0
     for item in record.items:
-        last = item.last
-        if last is None or not last.figures:
+        if item.last is None or not item.last.figures:
             continue
-        pictures = [_picture(figure, number + n) for n, figure in enumerate(last.figures, start=1)]
-        number += len(pictures)
-        yield PictureGroup(heading=_heading(record, item), rows=tuple(_in_rows(pictures)))
+        rows = []
+        for row in _in_rows(item.last.figures):
+            rows.append(tuple(_picture(figure, number + n) for n, figure in enumerate(row, start=1)))
+            number += len(row)
+        yield PictureGroup(heading=_heading(record, item), rows=tuple(rows))
 
 
 def _heading(record: RunRecord, item: ItemRecord) -> str:
-    repeats = [one.plan.repeat for one in record.items if one.plan.case == item.plan.case and one.plan.repeat]
+    repeats = [
+        one.plan.repeat for one in record.items if one.plan.case == item.plan.case and one.plan.repeat
+    ]
     if item.plan.repeat is None:
         return f"{item.plan.case}, over the repeats"
     if len(repeats) < 2:
@@ -230,20 +233,20 @@ def _picture(figure: Figure, number: int) -> Picture:
         caption=figure.caption,
         alt=figure.alt or figure.title,
         source=image_source(svg(figure)),
-        half=figure.width is Width.HALF,
     )
 
 
-def _in_rows(pictures: list[Picture]) -> Iterator[tuple[Picture, ...]]:
-    """Put halves that follow one another side by side."""
-    waiting: list[Picture] = []
-    for picture in pictures:
-        if waiting and (not picture.half or len(waiting) == 2):
-            yield tuple(waiting)
-            waiting = []
-        if picture.half:
-            waiting.append(picture)
+def _in_rows(figures: tuple[Figure, ...]) -> Iterator[tuple[Figure, ...]]:
+    """Put halves that follow one another side by side; a half alone takes the whole width."""
+    waiting: list[Figure] = []
+    for figure in figures:
+        half = figure.width is Width.HALF
+        if half and waiting:
+            yield (waiting.pop(), figure)
+        elif half:
+            waiting.append(figure)
         else:
-            yield (picture,)
-    if waiting:
-        yield tuple(waiting)
+            yield from ((replace(one, width=Width.FULL),) for one in waiting)
+            waiting.clear()
+            yield (figure,)
+    yield from ((replace(one, width=Width.FULL),) for one in waiting)
