@@ -159,12 +159,10 @@ def _add_judge(parser: argparse.ArgumentParser) -> None:
 
 def _judge(parsed: argparse.Namespace) -> int:
     from gyrotest.records.result import Verdict
-    from gyrotest.registry import PROCEDURES, load
     from gyrotest.runner.again import judge_again
     from gyrotest.specification.spec import load_spec
 
-    spec = load_spec(parsed.spec, lambda name: load(PROCEDURES, name)())
-    record, certificate = judge_again(parsed.run, spec)
+    record, certificate = judge_again(parsed.run, load_spec(parsed.spec))
     _say(f"{record.serial_number}: {record.verdict.value.replace('_', ' ')}")
     _say(f"{certificate}")
     return int(record.verdict is not Verdict.PASS)

@@ -16,11 +16,9 @@ from gyrotest.plugin.prompt import Prompt
 from gyrotest.plugin.session import GYRO, GyroSession
 from gyrotest.plugin.signals import install_signals
 from gyrotest.records.run import RunHeader
-from gyrotest.registry import PROCEDURES, load
 from gyrotest.runner.bench import SimulationChoice
 from gyrotest.runner.door import Order, check_order, check_serial_number, open_run, reopen_run
 from gyrotest.runner.folder import RunFolder
-from gyrotest.runner.locks import ResourceLocks
 from gyrotest.specification.lookup import find_spec, find_station
 from gyrotest.specification.spec import load_spec
 from gyrotest.specification.station import load_station
@@ -73,8 +71,7 @@ def _session(config: pytest.Config) -> GyroSession:
         session.take_runs([(RunFolder(path), RunFolder(path).header()) for path in worker])
         return session
     check_order(request.order)
-    session.locks = ResourceLocks(f"the test of {', '.join(request.order.serial_numbers)}")
-    session.lock_bench()
+    session.prepare_bench()
     session.take_runs(_open_runs(request))
     return session
 
@@ -98,7 +95,7 @@ def _observes_only(config: pytest.Config) -> bool:
 
 def _request(config: pytest.Config, *, observes_only: bool) -> Request:
     option = config.option
-    spec = load_spec(_spec_path(config), lambda name: load(PROCEDURES, name)())
+    spec = load_spec(_spec_path(config))
     station = load_station(_station_path(config))
     serial_numbers = _serial_numbers(option.gyro_serial, observes_only=observes_only)
     for serial_number in serial_numbers:

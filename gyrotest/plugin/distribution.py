@@ -28,8 +28,7 @@ def install_distribution(config: pytest.Config, session: GyroSession) -> None:
         return
     if not getattr(config.option, "tx", None) and not getattr(config.option, "numprocesses", None):
         return
-    if session.locks is not None:
-        session.locks.release()  # the worker that opens the bench owns it
+    session.close_bench()  # the worker that opens it owns it
     config.pluginmanager.register(Distribution(session))
 
 

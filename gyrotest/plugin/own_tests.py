@@ -15,9 +15,10 @@ from gyrotest.recordings.reader import read_samples
 from gyrotest.records.plan import Plan
 from gyrotest.records.recording import Block, Identity, RecordingHeader, Samples
 from gyrotest.records.result import JudgedResult, Measurand, Result, Verdict
-from gyrotest.records.run import Attempt, Outcome
+from gyrotest.records.run import Attempt, Outcome, PlannedItem
 from gyrotest.records.spec import DecisionRule, Limit
 from gyrotest.runner.bench import OpenSource
+from gyrotest.runner.items import Moment
 from gyrotest.units import Dimension, parse_quantity, same_dimension
 
 T = TypeVar("T")
@@ -29,6 +30,9 @@ class GyroInstrument:
     def __init__(self, session: GyroSession, serial_number: str) -> None:
         self._session = session
         self._serial_number = serial_number
+        _stage(
+            session, serial_number, "instrument", 1, Plan(warm_up_s=0.0, interval_s=1.0, samples=3600)
+        )
 
     @property
     def identity(self) -> Identity:
@@ -87,6 +91,8 @@ class GyroAcquire:
         self._count += 1
         run, bench = self._session.runs[self._serial_number], self._session.bench()
         opened = bench.source(run.header.slot, self._serial_number)
+        plan = Plan(warm_up_s=0.0, interval_s=interval_s, samples=samples)
+        _stage(self._session, self._serial_number, self._item.nodeid, self._count, plan)
         header = RecordingHeader(
             run_id=run.header.run_id,
             item=f"{self._item.nodeid}-{self._count}",
@@ -99,7 +105,6 @@ class GyroAcquire:
             sampling=opened.source.configure(interval_s),
             source=opened.use.identity,
         )
-        plan = Plan(warm_up_s=0.0, interval_s=interval_s, samples=samples)
         recording = Acquisition(
             source=opened.source,
             clock=bench.clock,
@@ -181,6 +186,18 @@ class GyroVerify:
                 results=tuple(self._results),
             )
         )
+
+
+def _stage(session: GyroSession, serial_number: str, name: str, count: int, plan: Plan) -> None:
+    bench, run = session.bench(), session.put_on_bench(serial_number)
+    since_power_on_s = bench.clock.now_s() - bench.powered_on_s
+    bench.stage(
+        run.header.slot,
+        serial_number,
+        PlannedItem(name=name, case=name, repeat=count),
+        moment=Moment(power_cycle=1, elapsed_s=since_power_on_s),
+        plan=plan,
+    )
 
 
 def _dimension_of(unit: str) -> Dimension:

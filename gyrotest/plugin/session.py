@@ -8,7 +8,7 @@ import pytest
 from gyrotest.acquisition.progress import Progress
 from gyrotest.plugin.prompt import Prompt
 from gyrotest.records.run import PlannedItem, RunHeader
-from gyrotest.runner.bench import Bench, SimulationChoice
+from gyrotest.runner.bench import Bench, SimulationChoice, check_choice
 from gyrotest.runner.door import Order
 from gyrotest.runner.flow import UnitRun
 from gyrotest.runner.folder import RunFolder
@@ -54,10 +54,20 @@ class GyroSession:
             self._bench = Bench(self.order.station.station, self.order.spec.spec.output, self.choice)
         return self._bench
 
+    def prepare_bench(self) -> None:
+        """Refuse at the door what can be refused there; real instruments are not touched yet."""
+        check_choice(self.order.station.station, self.choice)
+        if self.order.station.station.simulation is not None:
+            self.bench()
+        else:
+            self.lock_bench()
+
     def lock_bench(self) -> None:
         """Own the station's resources; a simulated bench is nobody else's anyway."""
-        if self.locks is None or self.order.station.station.simulation is not None:
+        if self.order.station.station.simulation is not None:
             return
+        if self.locks is None:
+            self.locks = ResourceLocks(f"the test of {', '.join(self.order.serial_numbers)}")
         instruments = self.order.station.station.instruments.values()
         self.locks.acquire(one.resource for one in instruments if one.driver != "replay")
 
@@ -84,3 +94,4 @@ class GyroSession:
             self._bench = None
         if self.locks is not None:
             self.locks.release()
+            self.locks = None

@@ -114,7 +114,7 @@ class Bench:
 
 def make_source(station: Station, name: str, resource: str, clock: Clock) -> Source:
     """Make the driver of an instrument of the station, not opened yet."""
-    from gyrotest.specification.parameters import instrument_settings
+    from gyrotest.specification.station import instrument_settings
 
     instrument: Instrument = station.instruments[name]
     driver = load(INSTRUMENTS, instrument.driver)
@@ -130,15 +130,19 @@ def make_source(station: Station, name: str, resource: str, clock: Clock) -> Sou
     return source
 
 
+def check_choice(station: Station, choice: SimulationChoice) -> None:
+    """Refuse options of the simulated bench for a real one; raises `RefusedError`."""
+    if station.simulation is None and choice != SimulationChoice():
+        raise RefusedError(
+            f"station '{station.name}' is no simulated bench: leave the --gyro-sim-… and --gyro-real-time"
+            " options out, or choose a station with a 'simulation:' section"
+        )
+
+
 def _simulated_bench(
     station: Station, output: Output, choice: SimulationChoice
 ) -> "SimulatedBench | None":
     if station.simulation is None:
-        if choice != SimulationChoice():
-            raise RefusedError(
-                f"station '{station.name}' is no simulated bench: leave the --gyro-sim-… and --gyro-real-time"
-                " options out, or choose a station with a 'simulation:' section"
-            )
         return None
     from gyrotest.simulation.bench import SimulatedBench
 

@@ -9,7 +9,7 @@ from gyrotest.records.result import Measurand
 from gyrotest.records.run import PlannedItem
 from gyrotest.records.spec import Between, Case, Over, Spec
 from gyrotest.registry import PROCEDURES, load
-from gyrotest.specification.parameters import case_parameters
+from gyrotest.specification.spec import case_parameters
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
