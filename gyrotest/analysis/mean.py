@@ -7,6 +7,9 @@ import numpy as np
 from gyrotest.analysis.noise import NoiseModel
 from gyrotest.analysis.noise_terms import FLICKER
 
+_FEWEST_FREEDOM = 3.0
+"""Fewer would count the doubt about K twice: it is in the prudent K² already."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeanUncertainty:
@@ -26,9 +29,9 @@ def mean_uncertainty(
     model
         The record's noise.
     duration_s
-        The record's length.
+        The record's length T.
     since_power_on_s
-        Time between power-on and the record, over which the rate random walk has walked already.
+        Time t₀ from power-on to the record, over which the rate random walk has walked already.
 
     Notes
     -----
@@ -36,10 +39,12 @@ def mean_uncertainty(
     and the variances of the mean about the bias at the record's begin; s/√n would count samples
     that are not independent. The degrees of freedom are 2u⁴ over the variance of u².
     """
-    gradient = np.array([1.0 / duration_s, FLICKER, duration_s / 3.0 + since_power_on_s])
-    variance = float(gradient @ model.prudent_squares)
+    over_record = np.array([1.0 / duration_s, FLICKER, duration_s / 3.0])
+    before = np.array([0.0, 0.0, since_power_on_s])
+    gradient = over_record + before
+    variance = float(over_record @ model.prudent_squares + before @ model.squares)
     spread = float(gradient @ model.covariance @ gradient)
     return MeanUncertainty(
         standard_uncertainty_dps=float(np.sqrt(variance)),
-        degrees_of_freedom=max(2.0 * variance**2 / spread, 1.0),
+        degrees_of_freedom=max(2.0 * variance**2 / spread, _FEWEST_FREEDOM),
     )

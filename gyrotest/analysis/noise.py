@@ -24,6 +24,7 @@ _FITTED_GROUPS = 4
 
 _ONE_SIDED_95 = 1.6448536269514722
 _ITERATIONS = 3
+_PRUDENCE = 0.25
 _PER_DECADE = 5
 _POINTS_PER_DECADE = 300
 _FEWEST_TIMES = 8
@@ -71,14 +72,12 @@ class NoiseModel:
 
     @property
     def prudent_squares(self) -> NDArray[np.float64]:
-        """The squared coefficients with K² half its standard uncertainty higher.
+        """The squared coefficients, with K² a quarter of its standard uncertainty higher.
 
-        For uncertainties: a walk that a record does not resolve is not a walk that is absent. In
-        simulations this keeps the spread of (mean − truth)/u between 0.3 (no walk) and 1.1 (walk
-        dominates), where the estimate itself would let it reach 1.8.
+        For uncertainties: a walk that a record does not resolve is not a walk that is absent.
         """
         squares = self.squares
-        squares[2] += 0.5 * np.sqrt(self.covariance[2, 2])
+        squares[2] += _PRUDENCE * np.sqrt(self.covariance[2, 2])
         return squares
 
     def allan_deviation_dps(self, averaging_factors: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -1,7 +1,9 @@
-"""Figures of a static test."""
+"""Figures of a static test: the record over time, its Allan deviation, its residuals."""
 
+from gyrotest.procedures.static.allan_figure import allan_figure
 from gyrotest.procedures.static.noise_results import NoiseAnalysis
 from gyrotest.procedures.static.record import StaticRecord
+from gyrotest.procedures.static.time_figures import histogram_figure, record_figure
 from gyrotest.records.figure import Figure
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
@@ -10,5 +12,9 @@ from gyrotest.records.result import Result
 def static_figures(
     record: StaticRecord, noise: NoiseAnalysis, results: tuple[Result, ...], context: Context
 ) -> tuple[Figure, ...]:
-    """Return the figures."""
-    return ()
+    """Return the figures, in the order of the certificate."""
+    return (
+        record_figure(record),
+        allan_figure(record, noise, results, context),
+        histogram_figure(record),
+    )

@@ -142,7 +142,9 @@ def minimum_results(record: StaticRecord, curve: AllanDeviation, context: Contex
 def walk_results(record: StaticRecord, model: NoiseModel, context: Context) -> tuple[Result, ...]:
     """Return the angle random walk, corrected for dead time, and as read."""
     apparent = _apparent(record, model)
-    fitted = f"fit of slope −1/2, τ from {model.first_tau_s:.4g} s to {model.last_tau_s:.4g} s"
+    fitted = (
+        f"slope −1/2 of a three-term fit, τ from {model.first_tau_s:.4g} s to {model.last_tau_s:.4g} s"
+    )
     if apparent.at_most:
         fitted = f"not resolved; {fitted}"
     as_read = spread_result(

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from gyrotest.analysis.noise import SHORTEST_RECORD
 from gyrotest.records.described import Described
@@ -18,7 +18,7 @@ _MOST_SMOOTHINGS = 20
 class StaticParameters:
     """Parameters of a static case; times count from the record's first sample."""
 
-    __pydantic_config__ = {"extra": "forbid", "strict": True}
+    __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
 
     smoothing: Annotated[
         tuple[Annotated[Quantity, OfDimension(Dimension.TIME)], ...],

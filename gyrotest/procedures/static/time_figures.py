@@ -1,0 +1,187 @@
+"""The record over time as a min–max band with its means, and the histogram of its residuals."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrotest.procedures.static.record import StaticRecord
+from gyrotest.records.figure import Band, Bars, Curve, Figure, Panel, Role, Width
+
+_MOST_BINS = 900
+_MEAN_S = 60.0
+_HISTOGRAM_BINS = 60
+_BLOCK = 65536
+_SMALL_RATE_DPS = 0.5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Unit:
+    """A unit to draw in: how many of them make 1 °/s, or 1 s."""
+
+    name: str
+    factor: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Bins:
+    """Lowest, highest and mean rate of consecutive runs of samples."""
+
+    size: int
+    lowest: NDArray[np.float64]
+    highest: NDArray[np.float64]
+    mean: NDArray[np.float64]
+
+
+def rate_unit(largest_dps: float) -> Unit:
+    """Return °/h for small rates, °/s for others."""
+    if largest_dps < _SMALL_RATE_DPS:
+        return Unit(name="°/h", factor=3600.0)
+    return Unit(name="°/s", factor=1.0)
+
+
+def time_unit(duration_s: float) -> Unit:
+    """Return the unit in which a duration is a number of ordinary size."""
+    if duration_s <= 300.0:
+        return Unit(name="s", factor=1.0)
+    if duration_s <= 4.0 * 3600.0:
+        return Unit(name="min", factor=1.0 / 60.0)
+    return Unit(name="h", factor=1.0 / 3600.0)
+
+
+def record_figure(record: StaticRecord) -> Figure:
+    """Draw the rate over time: a band that hides no sample, and below it means that show drift."""
+    bins = _binned(record.rate_dps, math.ceil(record.rate_dps.size / _MOST_BINS))
+    bound = float(max(abs(bins.lowest.min()), abs(bins.highest.max())))
+    rate, time = rate_unit(bound), time_unit(record.begin_s + record.duration_s)
+    mean = float(record.rate_dps.mean())
+    panels = (
+        _band_panel(record, bins, rate, time),
+        *_mean_panels(record, rate, time, mean),
+    )
+    drawn = (
+        "the samples" if bins.size == 1 else f"shaded: minimum to maximum of every {bins.size} samples"
+    )
+    return Figure(
+        name="record",
+        title="Rate record",
+        panels=panels,
+        note=_record_note(record),
+        caption=f"Output rate; {drawn} (none hidden); line: their mean."
+        + (
+            f" Bottom: means of {_panel_mean_s(record):g} s; dotted: mean of the record."
+            if len(panels) > 1
+            else ""
+        ),
+        alt=f"Rate over {record.duration_s:g} s between {bins.lowest.min():.4g} and"
+        f" {bins.highest.max():.4g} °/s, mean {mean:.5g} °/s",
+    )
+
+
+def _record_note(record: StaticRecord) -> str:
+    parts = [
+        f"{record.rate_dps.size:,} samples".replace(",", "\N{NARROW NO-BREAK SPACE}"),
+        f"every {record.interval_s:g} s",
+        f"{record.missing} missing",
+    ]
+    return ", ".join([*parts, record.condition] if record.condition else parts)
+
+
+def _band_panel(record: StaticRecord, bins: _Bins, rate: Unit, time: Unit) -> Panel:
+    middle: NDArray[np.float64] = (
+        record.begin_s + (np.arange(bins.mean.size) + 0.5) * bins.size * record.interval_s
+    )
+    x = _drawn(middle, time)
+    band = Band(x=x, lower=_drawn(bins.lowest, rate), upper=_drawn(bins.highest, rate))
+    return Panel(
+        y_label=f"Rate / ({rate.name})",
+        x_label=f"Time / {time.name}",
+        bands=(band,) if bins.size > 1 else (),
+        curves=(Curve(x=x, y=_drawn(bins.mean, rate), role=Role.MEAN),),
+    )
+
+
+def _panel_mean_s(record: StaticRecord) -> float:
+    """Return 60 s, or longer means where that would be more than the bins of a page."""
+    intervals = max(round(_MEAN_S / record.interval_s), 1)
+    bins = record.rate_dps.size // intervals
+    return intervals * record.interval_s * max(math.ceil(bins / _MOST_BINS), 1)
+
+
+def _mean_panels(record: StaticRecord, rate: Unit, time: Unit, mean: float) -> tuple[Panel, ...]:
+    mean_s = _panel_mean_s(record)
+    size = round(mean_s / record.interval_s)
+    if size < 2 or record.rate_dps.size < 2 * size:
+        return ()
+    count = record.rate_dps.size // size
+    means = record.rate_dps[: count * size].reshape(count, size).mean(axis=1)
+    middle: NDArray[np.float64] = record.begin_s + (np.arange(count) + 0.5) * mean_s
+    x = _drawn(middle, time)
+    panel = Panel(
+        y_label=f"{mean_s:g} s mean / ({rate.name})",
+        x_label=f"Time / {time.name}",
+        height=0.7,
+        curves=(
+            Curve(x=x, y=_drawn(means, rate), role=Role.DATA),
+            Curve(x=(x[0], x[-1]), y=(mean * rate.factor,) * 2, role=Role.GUIDE),
+        ),
+    )
+    return (panel,)
+
+
+def _binned(rate: NDArray[np.float64], size: int) -> _Bins:
+    """Reduce runs of `size` samples; a last run that is shorter stands too."""
+    starts = np.arange(0, rate.size, size)
+    counts = np.minimum(size, rate.size - starts)
+    return _Bins(
+        size=size,
+        lowest=np.minimum.reduceat(rate, starts),
+        highest=np.maximum.reduceat(rate, starts),
+        mean=np.add.reduceat(rate, starts) / counts,
+    )
+
+
+def histogram_figure(record: StaticRecord) -> Figure:
+    """Draw the distribution of the rates about their mean beside a normal one."""
+    mean, deviation = float(record.rate_dps.mean()), float(record.rate_dps.std(ddof=1))
+    unit = rate_unit(4.0 * deviation)
+    half = max(abs(float(record.rate_dps.max()) - mean), abs(float(record.rate_dps.min()) - mean))
+    edges = np.linspace(-half, half, _HISTOGRAM_BINS + 1)
+    heights = _densities(record.rate_dps, mean, edges) / unit.factor
+    grid = np.linspace(-half, half, 121)
+    normal = (
+        np.exp(-0.5 * (grid / deviation) ** 2) / (deviation * math.sqrt(2.0 * math.pi)) / unit.factor
+    )
+    sigma = f"σ = {deviation * unit.factor:.4g} {unit.name}"
+    return Figure(
+        name="residuals",
+        title="Residual histogram",
+        width=Width.HALF,
+        panels=(
+            Panel(
+                y_label=f"Density / ({unit.name})⁻¹",
+                x_label=f"Residual / ({unit.name})",
+                bars=Bars(edges=_drawn(edges, unit), heights=tuple(heights.tolist())),
+                curves=(Curve(x=_drawn(grid, unit), y=tuple(normal.tolist()), role=Role.MODEL),),
+                note=sigma,
+            ),
+        ),
+        caption="Samples less their mean; curve: normal distribution of the same σ.",
+        alt=f"Histogram of the residuals, {sigma}",
+    )
+
+
+def _densities(
+    rate: NDArray[np.float64], mean: float, edges: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Count block by block: a histogram of the whole would copy the record."""
+    counts = np.zeros(edges.size - 1)
+    for begin in range(0, rate.size, _BLOCK):
+        counts += np.histogram(rate[begin : begin + _BLOCK] - mean, bins=edges)[0]
+    density: NDArray[np.float64] = counts / (rate.size * (edges[1] - edges[0]))
+    return density
+
+
+def _drawn(values: NDArray[np.float64], unit: Unit) -> tuple[float, ...]:
+    return tuple((values * unit.factor).tolist())
