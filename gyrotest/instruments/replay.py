@@ -1,0 +1,208 @@
+"""Replay: a recorded file stands in for an instrument."""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from gyrotest.errors import InstrumentError, InstrumentIdentityError, RecordingError, UnitError
+from gyrotest.instruments.replay_settings import ReplaySettings
+from gyrotest.ports import Clock
+from gyrotest.recordings.digest import sha256_of
+from gyrotest.recordings.foreign import ForeignFile
+from gyrotest.recordings.formats.detect import Format, detect
+from gyrotest.recordings.reader import read_header
+from gyrotest.recordings.regroup import Averages, Placed, consecutive
+from gyrotest.recordings.stamps import described
+from gyrotest.records.recording import Block, Identity, Sampling
+from gyrotest.records.station import Accuracy
+from gyrotest.units import same_dimension
+
+# How far the case's interval may be from a whole number of the file's.
+_INTERVALS_AGREE = 1e-3
+
+
+class Replay:
+    """Plays a file as fast as it is read, like a tape: an acquisition goes on where the last ended.
+
+    What is wrong with the file's contents is a `RecordingError` out of `fetch`: no waiting and no
+    second try will mend it.
+    """
+
+    settings: ClassVar[type] = ReplaySettings
+    resource_is_path: ClassVar[bool] = True
+
+    def __init__(
+        self,
+        resource: str,
+        settings: ReplaySettings,
+        *,
+        clock: Clock,  # noqa: ARG002 - the constructor is the same for all instruments
+        line_frequency_hz: float | None = None,  # noqa: ARG002 - as above
+        accuracy: Accuracy | None = None,
+        io_timeout_s: float | None = None,  # noqa: ARG002 - as above
+        serial_number: str | None = None,
+    ) -> None:
+        self._path = Path(resource)
+        self._settings = settings
+        self._accuracy = accuracy
+        self._serial_number = serial_number
+        self._file: ForeignFile | None = None
+        self._source_sampling: Sampling | None = None
+        self._averages = Averages(1)
+        self._size = 1
+        self._runs: Iterator[Placed] = iter(())
+        self._first = self._count = 0
+        self._origin: tuple[int, float] | None = None
+        self._played = 0
+        self._again = False
+
+    def open(self) -> Identity:
+        """Look at the file; its SHA-256 stands for the serial number."""
+        try:
+            self._file, self._source_sampling = self._opened()
+            digest = sha256_of(self._path)
+        except (RecordingError, OSError) as error:
+            raise InstrumentError(str(error)) from error
+        identity = Identity(
+            manufacturer="replay", model=self._path.name, serial_number=f"REPLAY-{digest[:8]}"
+        )
+        if self._serial_number not in (None, identity.serial_number):
+            raise InstrumentIdentityError(
+                f"{self._path}: is {identity.serial_number}, the station names {self._serial_number}"
+            )
+        return identity
+
+    def configure(self, interval_s: float) -> Sampling:
+        """Take the file's own interval, or average a whole number of its samples."""
+        sampling = self._sampling()
+        size = round(interval_s / sampling.interval_s)
+        if size < 1 or abs(interval_s / (size * sampling.interval_s) - 1.0) > _INTERVALS_AGREE:
+            raise InstrumentError(
+                f"{self._path}: has a sample every {sampling.interval_s:.9g} s, which the case's interval of "
+                f"{interval_s:.9g} s is no whole multiple of; the shortest is {sampling.interval_s:.6g} s"
+            )
+        self._size = size
+        return Sampling(
+            interval_s=size * sampling.interval_s,
+            aperture_s=sampling.aperture_s,
+            readings=size * sampling.readings,
+            unit=sampling.unit,
+            noise=None if sampling.noise is None else sampling.noise / math.sqrt(size),
+            range=sampling.range,
+        )
+
+    def start(self, first: int, count: int) -> None:
+        """Begin at a sample; a first one of 0 is a new acquisition."""
+        if first == 0:
+            self._again = self._settings.rewind and self._played > 0
+            self._played = 0 if self._settings.rewind else self._played
+            self._origin = None
+        self._first, self._count = first, count
+        self._averages = Averages(self._size)
+        self._runs = (
+            run for part in self._averages.of(self._opened_file().samples()) for run in consecutive(part)
+        )
+
+    def fetch(self) -> Block | None:
+        """Give the next consecutive samples; None at the end of the file or of what was asked for."""
+        for run in self._runs:
+            ahead = run.part(run.place * self._size >= self._played)
+            if not len(ahead):
+                continue
+            if self._origin is None:
+                self._origin = int(ahead.place[0]), float(ahead.time_s[0])
+            position = ahead.place - self._origin[0]
+            asked = ahead.part((position >= self._first) & (position < self._count))
+            if len(asked):
+                return self._block(asked, self._origin)
+            if position[0] >= self._count:
+                return None
+        return None
+
+    def recover(self) -> int:
+        """Go on after the last sample that was given."""
+        return self._first
+
+    def remarks(self) -> tuple[str, ...]:
+        """Tell what is to be known of the file and of what was read of it so far."""
+        file = self._opened_file()
+        found = [
+            f"{file.rows} rows read, {file.not_numbers} missing or not a number, {file.infinite} infinite"
+        ]
+        if file.stamps is not None:
+            found += described(file.stamps)
+        if self._size > 1:
+            found.append(f"each sample is the mean of {self._size} rows")
+        if self._averages.incomplete:
+            found.append(f"{self._averages.incomplete} means left out, for rows were missing in them")
+        if self._again:
+            found.append("played again from the start: the same samples as before")
+        return tuple(f"{self._path.name}: {text}" for text in found)
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._runs = iter(())
+
+    def _block(self, samples: Placed, origin: tuple[int, float]) -> Block:
+        self._played = (int(samples.place[-1]) + 1) * self._size
+        first = int(samples.place[0]) - origin[0]
+        self._first = first + len(samples)
+        return Block(
+            first=first,
+            time_s=samples.time_s - origin[1],
+            values=samples.values[:, np.newaxis],
+            flags=samples.flags,
+        )
+
+    def _opened(self) -> tuple[ForeignFile, Sampling | None]:
+        own = read_header(self._path).sampling if detect(self._path) is Format.OWN else None
+        rate = self._settings.sample_rate
+        interval_s = None if rate is None else 1.0 / rate.to("Hz")
+        if own and interval_s is not None and abs(interval_s / own.interval_s - 1.0) > _INTERVALS_AGREE:
+            raise RecordingError(
+                f"{self._path}: is a recording with a sample every {own.interval_s:g} s; leave 'sample_rate' out"
+            )
+        try:
+            factor = self._settings.factor(own.unit if own else None)
+        except UnitError as error:
+            raise RecordingError(f"{self._path}: {error}") from error
+        file = ForeignFile(
+            self._path,
+            self._settings.selection(),
+            self._settings.window(),
+            interval_s=own.interval_s if own else interval_s,
+            factor=factor,
+            time_factor_s=self._settings.time_factor_s(),
+        )
+        return file, own
+
+    def _sampling(self) -> Sampling:
+        """How the file itself was sampled, in the unit that is given out."""
+        file, own = self._opened_file(), self._source_sampling
+        if own is None:
+            unit = self._settings.unit_out(None)
+            interval_s = file.interval_s
+            return Sampling(
+                interval_s=interval_s, aperture_s=interval_s, unit=unit, noise=self._noise(unit)
+            )
+        factor = abs(self._settings.factor(own.unit))
+        return Sampling(
+            interval_s=own.interval_s,
+            aperture_s=own.aperture_s,
+            readings=own.readings,
+            unit=self._settings.unit_out(own.unit),
+            noise=None if own.noise is None else own.noise * factor,
+            range=None if own.range is None else own.range * factor,
+        )
+
+    def _noise(self, unit: str) -> float | None:
+        noise = self._accuracy.noise if self._accuracy else None
+        return noise.to(unit) if noise is not None and same_dimension(noise.unit, unit) else None
+
+    def _opened_file(self) -> ForeignFile:
+        if self._file is None:
+            raise InstrumentError(f"{self._path}: the file is not opened yet")
+        return self._file

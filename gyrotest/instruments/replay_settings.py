@@ -1,0 +1,138 @@
+"""What a station says of a file that is replayed."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Any, ClassVar
+
+from gyrotest.errors import UnitError
+from gyrotest.recordings.foreign import Window
+from gyrotest.recordings.formats.selection import Selection
+from gyrotest.records.described import Described
+from gyrotest.units import Dimension, OfDimension, Quantity, conversion_factor, same_dimension
+
+_UNITS_OUT = (Dimension.VOLTAGE.value, Dimension.RATE.value)
+# The unit of a time column that numbers the samples; its step comes from the sampling rate.
+_SAMPLE = "sample"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReplaySettings:
+    """What is played of a file, and what its numbers mean. Columns by name, or by number from 1."""
+
+    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
+
+    column: Annotated[str | int | None, Described("The column of the values.", "gz")] = None
+    array: Annotated[
+        str | None, Described("The array, variable or data set with the column.", "gyro")
+    ] = None
+    sample_rate: Annotated[
+        Quantity | None, OfDimension(Dimension.FREQUENCY), Described("Rows per second.", "100 Hz")
+    ] = None
+    time_column: Annotated[
+        str | int | None, Described("The column (or other array) of the time stamps.", "time")
+    ] = None
+    time_unit: Annotated[
+        str, Described("Unit of the time column; `sample` if it numbers the samples.", "ms")
+    ] = "s"
+    unit: Annotated[
+        str | None,
+        Described("Unit of the values, after `scale`: a voltage, a rate, or `count`.", "deg/s"),
+    ] = None
+    scale: Annotated[float, Described("Factor on the values, before the unit.", "0.05")] = 1.0
+    scale_factor: Annotated[
+        Quantity | None,
+        OfDimension(Dimension.SCALE_FACTOR_COUNT),
+        Described("Counts for a rate, where the unit is `count`.", "131 count/(deg/s)"),
+    ] = None
+    start: Annotated[
+        Quantity | None,
+        OfDimension(Dimension.TIME),
+        Described("First time, on the file's scale.", "60 s"),
+    ] = None
+    end: Annotated[
+        Quantity | None, OfDimension(Dimension.TIME), Described("Time before which it ends.", "3660 s")
+    ] = None
+    first: Annotated[int, Described("First row of data, from 1.", "1")] = 1
+    last: Annotated[int | None, Described("Last row of data.", "360000")] = None
+    where: Annotated[
+        Mapping[str, str | int | float], Described("Only rows with these contents of columns.")
+    ] = field(default_factory=dict)
+    skip_rows: Annotated[int, Described("Lines left out at the top of a text file.", "3")] = 0
+    rewind: Annotated[
+        bool, Described("Every acquisition begins anew; else it goes on after the one before.")
+    ] = False
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.scale) or self.scale == 0.0:
+            raise ValueError(f"scale is {self.scale:g}; it must be a number other than 0")
+        if self.sample_rate is not None and self.sample_rate.value <= 0.0:
+            raise ValueError(f"sample_rate is {self.sample_rate}; it must be more than 0")
+        if self.skip_rows < 0 or self.first < 1 or (self.last is not None and self.last < self.first):
+            raise ValueError(
+                "rows count from 1, 'last' is not before 'first', and 'skip_rows' not below 0"
+            )
+        if self.start is not None and self.end is not None and self.end.to("s") <= self.start.to("s"):
+            raise ValueError(f"the window ends at {self.end}, not after its start at {self.start}")
+        if self.time_unit == _SAMPLE and self.sample_rate is None:
+            raise ValueError("time_unit 'sample' needs 'sample_rate'")
+        self._check_units()
+
+    def _check_units(self) -> None:
+        try:
+            if self.time_unit != _SAMPLE:
+                conversion_factor(self.time_unit, "s")
+            if self.unit is not None and not any(
+                same_dimension(self.unit, one) for one in (*_UNITS_OUT, "count")
+            ):
+                raise ValueError(f"unit '{self.unit}' is neither a voltage nor a rate nor 'count'")
+            is_count = self.unit is not None and same_dimension(self.unit, "count")
+        except UnitError as error:
+            raise ValueError(str(error)) from error
+        if is_count != (self.scale_factor is not None):
+            raise ValueError(
+                "unit 'count' and 'scale_factor' belong together, e.g. '131 count/(deg/s)'; "
+                "or give the rate of one count as 'scale' and its unit as 'unit'"
+            )
+        if self.scale_factor is not None and self.scale_factor.value == 0.0:
+            raise ValueError("scale_factor is 0")
+
+    def unit_out(self, unit: str | None) -> str:
+        """Return volts or degrees per second, for values in `unit` or in the file's own unit."""
+        known = self.unit or unit
+        if known is None:
+            raise UnitError("the unit of its values is not known; give 'unit', e.g. 'deg/s'")
+        return next(
+            one for one in _UNITS_OUT if one == Dimension.RATE.value or same_dimension(known, one)
+        )
+
+    def factor(self, unit: str | None) -> float:
+        """Return what turns the file's numbers into volts or degrees per second."""
+        if self.scale_factor is not None:
+            return self.scale / self.scale_factor.to(Dimension.SCALE_FACTOR_COUNT.value)
+        return self.scale * conversion_factor(self.unit or unit or "", self.unit_out(unit))
+
+    def time_factor_s(self) -> float:
+        """Return what turns the numbers of the time column into seconds."""
+        if self.time_unit == _SAMPLE and self.sample_rate is not None:
+            return 1.0 / self.sample_rate.to("Hz")
+        return conversion_factor(self.time_unit, "s")
+
+    def selection(self) -> Selection:
+        """Return what is read of the file."""
+        return Selection(
+            column=self.column,
+            array=self.array,
+            time_column=self.time_column,
+            where=self.where,
+            skip_rows=self.skip_rows,
+        )
+
+    def window(self) -> Window:
+        """Return which rows of it count."""
+        return Window(
+            first=self.first,
+            last=self.last,
+            start_s=None if self.start is None else self.start.to("s"),
+            end_s=None if self.end is None else self.end.to("s"),
+        )

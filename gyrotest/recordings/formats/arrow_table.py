@@ -1,0 +1,91 @@
+"""Tables of Parquet files and of Arrow files and streams."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrotest.errors import RecordingError
+from gyrotest.recordings.batches import said
+from gyrotest.recordings.formats.selection import PART_ROWS, Part, Selection, find_column
+
+
+def read_parquet(path: Path, selection: Selection) -> Iterator[Part]:
+    """Yield rows of a Parquet file; raises `RecordingError`."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        with pq.ParquetFile(path) as file:
+            columns = _needed(file.schema_arrow, selection, path)
+            batches = file.iter_batches(batch_size=PART_ROWS, columns=columns, use_threads=False)
+            yield from _parts(batches, columns, path, selection)
+    except (pa.ArrowException, OSError) as error:
+        raise RecordingError(f"{path}: cannot be read as Parquet: {said(error)}") from error
+
+
+def read_arrow(path: Path, selection: Selection) -> Iterator[Part]:
+    """Yield rows of an Arrow file or stream; raises `RecordingError`."""
+    import pyarrow as pa
+
+    try:
+        with pa.OSFile(str(path), "rb") as source:
+            is_file = source.read(6) == b"ARROW1"
+            source.seek(0)
+            reader: Any = pa.ipc.open_file(source) if is_file else pa.ipc.open_stream(source)
+            batches = (
+                (reader.get_batch(number) for number in range(reader.num_record_batches))
+                if is_file
+                else reader
+            )
+            columns = _needed(reader.schema, selection, path)
+            yield from _parts(batches, columns, path, selection)
+    except (pa.ArrowException, OSError) as error:
+        raise RecordingError(f"{path}: cannot be read as Arrow: {said(error)}") from error
+
+
+def _needed(schema: Any, selection: Selection, path: Path) -> list[str]:
+    """Name the columns to read: values, then times if any, then those of the filter."""
+    names = tuple(schema.names)
+    wanted: list[str | int | None] = [selection.column]
+    if selection.time_column is not None:
+        wanted.append(selection.time_column)
+    return [names[find_column(one, names, path)] for one in (*wanted, *selection.where)]
+
+
+def _parts(
+    batches: Iterable[Any], columns: list[str], path: Path, selection: Selection
+) -> Iterator[Part]:
+    row = 0
+    for batch in batches:
+        numbers = np.arange(row, row + batch.num_rows, dtype=np.int64)
+        row += batch.num_rows
+        keep = _kept(batch, selection)
+        times = None if selection.time_column is None else _numbers(batch, columns[1], path)[keep]
+        yield Part(row=numbers[keep], values=_numbers(batch, columns[0], path)[keep], time=times)
+
+
+def _kept(batch: Any, selection: Selection) -> Any:
+    import pyarrow as pa
+    import pyarrow.compute as pc
+
+    keep = np.ones(batch.num_rows, dtype=bool)
+    for name, content in selection.where.items():
+        column = batch.column(name)
+        wanted = pa.scalar(content)
+        if pa.types.is_string(column.type) != pa.types.is_string(wanted.type):
+            column, wanted = column.cast(pa.string()), pa.scalar(str(content))
+        keep &= pc.equal(column, wanted).fill_null(False).to_numpy(zero_copy_only=False)
+    return keep
+
+
+def _numbers(batch: Any, name: str, path: Path) -> NDArray[np.float64]:
+    import pyarrow as pa
+
+    column = batch.column(name)
+    if not (pa.types.is_integer(column.type) or pa.types.is_floating(column.type)):
+        raise RecordingError(f"{path}: column '{name}' holds {column.type} and not numbers")
+    numbers: NDArray[np.float64] = column.cast(pa.float64(), safe=False).to_numpy(zero_copy_only=False)
+    return numbers

@@ -1,0 +1,54 @@
+"""HDF5 files, and MATLAB's of version 7.3, which are HDF5."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from gyrotest.errors import RecordingError
+from gyrotest.recordings.formats.array_rows import Column, column_of, parts_of, refuse_where
+from gyrotest.recordings.formats.selection import Part, Selection, find_name
+
+
+def read_hdf5(path: Path, selection: Selection) -> Iterator[Part]:
+    """Yield rows of a data set; a time column by name is another data set. Raises `RecordingError`."""
+    try:
+        import h5py
+    except ImportError as error:
+        raise RecordingError(
+            f"{path}: is HDF5, for which h5py is needed: pip install 'gyrotest[formats]'"
+        ) from error
+
+    refuse_where(selection, path)
+    try:
+        with h5py.File(path, "r") as file:
+            names = _data_sets(file, h5py)
+            chosen = find_name(_absolute(selection.array), names, path, "array")
+            values = _column(file[chosen], selection.column, path)
+            yield from parts_of(values, _time(file, names, chosen, path, selection), path)
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be read as HDF5: {error}") from error
+
+
+def _time(
+    file: Any, names: tuple[str, ...], chosen: str, path: Path, selection: Selection
+) -> Column | None:
+    wanted = selection.time_column
+    if wanted is None:
+        return None
+    if isinstance(wanted, int) or file[chosen].dtype.names:
+        return _column(file[chosen], wanted, path)
+    return _column(file[find_name(_absolute(wanted), names, path, "time_column")], None, path)
+
+
+def _column(data_set: Any, wanted: str | int | None, path: Path) -> Column:
+    return column_of(data_set, wanted, path, rows_last="MATLAB_class" in data_set.attrs)
+
+
+def _data_sets(file: Any, h5py: Any) -> tuple[str, ...]:
+    names: list[str] = []
+    file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+    return tuple(name for name in names if not name.startswith("#"))
+
+
+def _absolute(name: str | None) -> str | None:
+    return None if name is None else name.strip("/")

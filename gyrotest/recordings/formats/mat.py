@@ -1,0 +1,32 @@
+"""MATLAB's files up to version 7 (version 7.3 is HDF5)."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from gyrotest.errors import RecordingError
+from gyrotest.recordings.formats.array_rows import column_of, parts_of, refuse_where
+from gyrotest.recordings.formats.selection import Part, Selection, find_name
+
+
+def read_mat(path: Path, selection: Selection) -> Iterator[Part]:
+    """Yield rows of a variable; a time column by name is another variable. Raises `RecordingError`."""
+    from scipy.io import loadmat, whosmat
+    from scipy.io.matlab import MatReadError
+
+    refuse_where(selection, path)
+    try:
+        names = tuple(name for name, _, _ in whosmat(str(path)))
+        chosen = find_name(selection.array, names, path, "array")
+        wanted = [chosen]
+        if isinstance(selection.time_column, str):
+            wanted.append(find_name(selection.time_column, names, path, "time_column"))
+        variables = loadmat(str(path), variable_names=wanted)
+    except (OSError, ValueError, TypeError, NotImplementedError, MatReadError) as error:
+        raise RecordingError(f"{path}: cannot be read as a MATLAB file: {error}") from error
+    values = column_of(variables[chosen], selection.column, path)
+    time = None
+    if isinstance(selection.time_column, str):
+        time = column_of(variables[selection.time_column], None, path)
+    elif selection.time_column is not None:
+        time = column_of(variables[chosen], selection.time_column, path)
+    yield from parts_of(values, time, path)

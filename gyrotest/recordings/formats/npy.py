@@ -1,0 +1,48 @@
+"""NumPy's npy (mapped into memory) and npz files."""
+
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gyrotest.errors import RecordingError
+from gyrotest.recordings.formats.array_rows import column_of, parts_of, refuse_where
+from gyrotest.recordings.formats.selection import Part, Selection, find_name
+
+
+def read_npy(path: Path, selection: Selection) -> Iterator[Part]:
+    """Yield rows of an npy file; raises `RecordingError`."""
+    refuse_where(selection, path)
+    if selection.array is not None:
+        raise RecordingError(f"{path}: holds one array without a name; leave 'array' out")
+    try:
+        array = np.load(path, mmap_mode="r", allow_pickle=False)
+    except (OSError, ValueError, EOFError) as error:
+        raise RecordingError(f"{path}: cannot be read as npy: {error}") from error
+    values = column_of(array, selection.column, path)
+    time = None if selection.time_column is None else column_of(array, selection.time_column, path)
+    yield from parts_of(values, time, path)
+
+
+def read_npz(path: Path, selection: Selection) -> Iterator[Part]:
+    """Yield rows of an array in an npz file; a time column by name is another array in it."""
+    refuse_where(selection, path)
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            values, time = _arrays(file, path, selection)
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+        raise RecordingError(f"{path}: cannot be read as npz: {error}") from error
+    yield from parts_of(values, time, path)
+
+
+def _arrays(file: Any, path: Path, selection: Selection) -> tuple[Any, Any]:
+    array = file[find_name(selection.array, tuple(file.files), path, "array")]
+    values = column_of(array, selection.column, path)
+    wanted = selection.time_column
+    if wanted is None:
+        return values, None
+    if isinstance(wanted, int) or array.dtype.names:
+        return values, column_of(array, wanted, path)
+    return values, column_of(file[find_name(wanted, tuple(file.files), path, "time_column")], None, path)

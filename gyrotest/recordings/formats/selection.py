@@ -1,0 +1,86 @@
+"""What is wanted of a file, and the blocks of rows that every format gives."""
+
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrotest.errors import RecordingError
+
+PART_ROWS = 65_536
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Selection:
+    """Which column of which array, and which rows; columns by name or by number from 1.
+
+    `where` keeps the rows whose columns have these contents. `skip_rows` leaves out so many lines
+    at the top of a text file before anything else is looked at.
+    """
+
+    column: str | int | None = None
+    array: str | None = None
+    time_column: str | int | None = None
+    where: Mapping[str, str | int | float] = field(default_factory=dict)
+    skip_rows: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """Rows of a file in their order: each one's number (from 0), value, and time as it stands there.
+
+    A cell that is missing is NaN. The numbers jump where `where` left rows out, and where one of
+    our own recordings has a gap.
+    """
+
+    row: NDArray[np.int64]
+    values: NDArray[np.float64]
+    time: NDArray[np.float64] | None = None
+
+
+def find_column(wanted: str | int | None, names: Sequence[str], path: Path) -> int:
+    """Return the position (from 0) of a column.
+
+    Raises `RecordingError` naming the columns that there are, and the nearest one.
+    """
+    if wanted is None:
+        if len(names) == 1:
+            return 0
+        raise RecordingError(
+            f"{path}: has {len(names)} columns ({_listed(names)}); choose one with 'column'"
+        )
+    if isinstance(wanted, int):
+        if 1 <= wanted <= len(names):
+            return wanted - 1
+        raise RecordingError(
+            f"{path}: has no column {wanted}; its {len(names)} columns are {_listed(names)}"
+        )
+    stripped = [name.strip() for name in names]
+    if wanted in stripped:
+        return stripped.index(wanted)
+    raise RecordingError(
+        f"{path}: has no column '{wanted}'; its columns are {_listed(names)}{_near(wanted, names)}"
+    )
+
+
+def find_name(wanted: str | None, names: Sequence[str], path: Path, setting: str) -> str:
+    """Return the name of an array in a file of several; raises `RecordingError` as `find_column`."""
+    if wanted is None and len(names) == 1:
+        return names[0]
+    if wanted is None:
+        raise RecordingError(f"{path}: holds {_listed(names) or 'nothing'}; choose one with '{setting}'")
+    if wanted not in names:
+        raise RecordingError(f"{path}: holds no '{wanted}', but {_listed(names)}{_near(wanted, names)}")
+    return wanted
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names[:20]) + (", …" if len(names) > 20 else "")
+
+
+def _near(wanted: str, names: Sequence[str]) -> str:
+    near = difflib.get_close_matches(wanted, [name.strip() for name in names], n=1)
+    return f"; is '{near[0]}' meant?" if near else ""
