@@ -163,7 +163,7 @@ class Agilent34401A:
         """Clear or reconnect, the same meter, settings again; returns the next position on the grid."""
         self._session.bring_back()
         self._apply()
-        return self._laid_grid().next_position()
+        return self._laid_grid().position_to_go_on()
 
     def close(self) -> None:
         """Display on, front panel back, disconnected; never raises."""
@@ -202,7 +202,7 @@ class Agilent34401A:
     def _sample(self) -> tuple[float, int]:
         talk = self._session.talk
         if self._by_memory:
-            talk.write("INIT")
+            scpi.initiate(talk, self._session.timeout_s)
             self._clock.sleep_until(self._clock.now_s() + self._busy_s)
             reply = talk.query_line(b"FETC?\n", self._reading_timeout_s)
         else:

@@ -7,6 +7,10 @@ from gyrotest.ports import Clock
 
 # A deadline that is hit to within this is not missed: times are sums of floats.
 _SAME_TIME_S = 1e-9
+_MARGIN = 0.02
+_LEAST_MARGIN_S = 0.02
+# From coming back after a fault to the start, on the host's side.
+_MOMENT_S = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,10 +31,6 @@ class Readings:
         """The shortest interval into which one reading fits."""
         one_s = self.reading_s + self.transfer_s + self.query_s
         return max(one_s + _LEAST_MARGIN_S, one_s / (1 - _MARGIN))
-
-
-_MARGIN = 0.02
-_LEAST_MARGIN_S = 0.02
 
 
 def margin_s(interval_s: float) -> float:
@@ -59,7 +59,14 @@ class Grid:
 
     def next_position(self) -> int:
         """The first position that is not due yet."""
+        return self._position_after(0.0)
+
+    def position_to_go_on(self) -> int:
+        """The first position that can be met after a fault, a moment from now."""
+        return self._position_after(_MOMENT_S)
+
+    def _position_after(self, pause_s: float) -> int:
         if self.start_s is None:
             return 0
-        elapsed = (self._clock.now_s() - self.start_s) / self.interval_s
+        elapsed = (self._clock.now_s() + pause_s - self.start_s) / self.interval_s
         return max(0, math.ceil(elapsed - _SAME_TIME_S))

@@ -5,6 +5,9 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from gyrotest.errors import InstrumentProtocolError
 from gyrotest.instruments.transport.conversation import Conversation, shown
 from gyrotest.records.recording import SampleFlag
@@ -63,15 +66,17 @@ def drain_errors(talk: Conversation, timeout_s: float) -> tuple[str, ...]:
     found: list[str] = []
     for _ in range(_QUEUE_LENGTH + 1):
         reply = talk.query("SYST:ERR?", timeout_s)
-        code = reply.partition(",")[0]
-        if not re.fullmatch(r"[+-]?\d+", code):
-            raise InstrumentProtocolError(
-                f"{talk.who}: SYST:ERR? gives {shown(reply.encode())}, expected a number and a text"
-            )
-        if int(code) == 0:
+        if _error_code(talk, reply) == 0:
             break
         found.append(reply)
     return tuple(found)
+
+
+def initiate(talk: Conversation, timeout_s: float) -> None:
+    """Start a measurement, and see that the instrument has done so; raises `InstrumentProtocolError`."""
+    reply = talk.query("INIT;:SYST:ERR?", timeout_s)
+    if _error_code(talk, reply):
+        raise InstrumentProtocolError(f"{talk.who}: INIT is refused: {reply}; is it measuring already?")
 
 
 def readings(reply: bytes, count: int, who: str) -> list[float]:
@@ -103,6 +108,28 @@ def sample_of(values: list[float]) -> tuple[float, int]:
     for value in values:
         flags |= flag_of(value)
     return math.nan, int(flags)
+
+
+def samples_of(
+    values: NDArray[np.float64], readings: int
+) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
+    """Means of so many readings each, (n, 1), and their flags (n,); not a number where any reading is bad."""
+    each = values.reshape(-1, readings)
+    bad = ~(np.abs(each) < _LARGEST_VALUE)
+    flags = np.zeros(len(each), dtype=np.uint8)
+    for sample, reading in np.argwhere(bad):
+        flags[sample] |= flag_of(float(each[sample, reading]))
+    means = np.where(bad.any(axis=1), np.nan, np.where(bad, 0.0, each).mean(axis=1))
+    return means.reshape(-1, 1), flags
+
+
+def _error_code(talk: Conversation, reply: str) -> int:
+    code = reply.partition(",")[0]
+    if not re.fullmatch(r"[+-]?\d+", code):
+        raise InstrumentProtocolError(
+            f"{talk.who}: SYST:ERR? gives {shown(reply.encode())}, expected a number and a text"
+        )
+    return int(code)
 
 
 def _read_back(talk: Conversation, setting: Setting, query: str, timeout_s: float) -> None:

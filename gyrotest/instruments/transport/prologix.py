@@ -16,6 +16,7 @@ from gyrotest.instruments.transport.visa import (
 
 # PyVISA-py sets 50 ms, too short for a precise reading; 3000 ms is the most that the adapter takes.
 _READ_TIMEOUT_MS = 3000
+_CHUNK = 65536
 
 
 def open_prologix(
@@ -39,7 +40,10 @@ def _open_already(manager: Any, interface_name: str) -> Any:
     wanted = to_canonical_name(interface_name)
     for session in manager.list_opened_resources():
         if to_canonical_name(session.resource_name) == wanted:
-            return session
+            connection = socket_beneath(session)
+            if connection is None or not peer_has_gone(connection):
+                return session
+            session.close()
     return None
 
 
@@ -67,10 +71,22 @@ class PrologixChannel(VisaChannel):
         super().__init__(session, timed=interface)
 
     def unread(self) -> bytes:
-        """Nothing (the adapter's session drops what is stale); raises at once if the peer has gone."""
-        if self._connection is not None and peer_has_gone(self._connection):
-            raise ConnectionAbortedError("the adapter closed the connection")
+        """Nothing: what is stale is dropped here; raises at once if the peer has gone.
+
+        To be called before every write: PyVISA-py's own dropping never ends on a closed connection.
+        """
+        connection = self._connection
+        if connection is not None and connection.fileno() < 0:
+            raise ConnectionAbortedError("another instrument found the adapter gone")
+        while connection is not None and select.select((connection,), (), (), 0)[0]:
+            if not connection.recv(_CHUNK):
+                raise ConnectionAbortedError("the adapter closed the connection")
         return b""
+
+    def send(self, data: bytes) -> None:
+        """Send all the bytes."""
+        self.unread()
+        super().send(data)
 
     def receive_line(self, timeout_s: float) -> bytes:
         """The bytes up to and including the next line feed."""
@@ -84,6 +100,7 @@ class PrologixChannel(VisaChannel):
 
     def go_to_local(self) -> None:
         """Give the front panel back."""
+        self.unread()
         with os_errors():
             self._interface.write_raw(b"++loc\n")
 
@@ -105,7 +122,8 @@ class PrologixChannel(VisaChannel):
             self._session.visalib.read(self._session.session, 0)
         if not select.select((self._connection,), (), (), timeout_s)[0]:
             raise TimeoutError
-        self.unread()
+        if peer_has_gone(self._connection):
+            raise ConnectionAbortedError("the adapter closed the connection")
 
     def _received(self) -> bool:
         # The rest of a message whose beginning was read: there is no public way to ask for it.
