@@ -1,8 +1,11 @@
 """The reference page of all keys, made from the JSON Schema so that the two cannot disagree."""
 
 import json
+import sys
 from collections.abc import Iterator, Mapping
 from typing import Any
+
+from gyrotest.specification.schema import json_schema
 
 Schema = Mapping[str, Any]
 
@@ -86,6 +89,8 @@ def _accepts(place: Schema, definitions: Schema) -> str:
         return " or ".join(f"`{one}`" for one in choices) if choices else f"[{name}](#{name.lower()})"
     if "x-quantity" in place:
         return str(place["x-quantity"])
+    if "anyOf" in place:
+        return " or ".join(_accepts(one, definitions) for one in place["anyOf"])
     kind = str(place.get("type", "any"))
     names = {"string": "text", "integer": "whole number", "boolean": "true or false", "array": "list"}
     below = place.get("additionalProperties")
@@ -113,3 +118,7 @@ def _written(value: Any) -> str:
     if isinstance(value, list):
         return "[" + ", ".join(_written(one) for one in value) + "]"
     return json.dumps(value)
+
+
+if __name__ == "__main__":
+    sys.stdout.write(reference_markdown(json_schema("spec"), json_schema("station")))

@@ -67,6 +67,8 @@ def _without_nulls(node: Any) -> Any:
     if len(options) == 1:
         kept = {key: value for key, value in kept.items() if key != "anyOf"}
         kept = options[0] | kept
+    elif options:
+        kept["anyOf"] = options
     return kept
 
 

@@ -138,7 +138,7 @@ def _sign_complaints(output: Output) -> Iterator[Complaint]:
 def _datasheet_complaints(datasheet: Mapping[str, Quantity]) -> Iterator[Complaint]:
     for name, value in datasheet.items():
         wanted = (
-            Dimension.RATE if re.fullmatch("bias_stability_[0-9]+(ms|s)", name) else DATASHEET.get(name)
+            Dimension.RATE if re.fullmatch("bias_stability_[0-9.]+[a-z]+", name) else DATASHEET.get(name)
         )
         if wanted is None:
             yield Complaint(("datasheet", name), unknown_measurand(name, list(DATASHEET)))

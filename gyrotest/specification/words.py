@@ -1,5 +1,6 @@
 """Pydantic's complaints in the words of the person who wrote the file: found, expected, an example."""
 
+import types
 import typing
 from collections.abc import Mapping
 from datetime import date
@@ -45,6 +46,8 @@ def expected(shape: Shape) -> str:
         return f"one of {', '.join(shape.choices())}"
     if shape.is_record or shape.origin in {Mapping, dict}:
         return "a mapping (lines of the form 'key: value')"
+    if shape.origin is types.UnionType:
+        return " or ".join(_PLAIN.get(one, str(one)) for one in typing.get_args(shape.kind))
     if shape.origin is not None:
         arguments = typing.get_args(shape.kind)
         count = "" if not arguments or ... in arguments else f" of {len(arguments)}"

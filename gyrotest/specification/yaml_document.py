@@ -81,7 +81,7 @@ def _syntax_fault(path: str, text: str, fault: yaml.YAMLError) -> Fault:
     if isinstance(fault, yaml.reader.ReaderError):
         line = text.count("\n", 0, fault.position) + 1
         return Fault(
-            path, line, "", f"the character U+{ord(str(fault.character)):04X} is not allowed in YAML"
+            path, line, "", f"the character U+{ord(text[fault.position]):04X} is not allowed in YAML"
         )
     mark = getattr(fault, "problem_mark", None) or getattr(fault, "context_mark", None)
     problem = str(getattr(fault, "problem", None) or "is not YAML")

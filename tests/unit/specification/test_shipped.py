@@ -1,0 +1,78 @@
+"""The shipped specs and stations are good, and the page of all keys is up to date."""
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from gyrotest.specification.lookup import shipped_specs
+from gyrotest.specification.reference import reference_markdown
+from gyrotest.specification.schema import DIALECT, json_schema
+from gyrotest.specification.spec import load_spec
+from gyrotest.specification.station import load_station
+
+STATIONS = sorted((Path(__file__).parents[3] / "specs" / "stations").glob("*.yaml"))
+
+
+def test_mems50_is_a_good_spec() -> None:
+    spec = load_spec(shipped_specs() / "mems50.yaml").spec
+    case = spec.cases["bias_stability"]
+    assert (case.duration.to("s"), case.interval.to("s"), case.repeats) == (3600.0, 1.0, 3)
+    assert set(case.limits) == {
+        "bias",
+        "bias_stability_1s",
+        "bias_stability_10s",
+        "bias_stability_100s",
+        "allan_minimum",
+        "bias_instability_coefficient",
+        "angle_random_walk",
+        "bias_run_to_run",
+    }
+
+
+@pytest.mark.parametrize("path", STATIONS, ids=lambda path: path.stem)
+def test_every_shipped_station_is_good(path: Path) -> None:
+    assert load_station(path).station.name
+
+
+def test_the_stations_that_are_promised_are_there() -> None:
+    names = {"simulated", "34401a-gpib", "34401a-rs232", "34401a-prologix", "34465a-lan", "replay"}
+    assert names <= {path.stem for path in STATIONS}
+
+
+@pytest.mark.parametrize("document", ["spec", "station"])
+def test_the_schema_is_closed_described_and_plain_json(document: Any) -> None:
+    schema = json_schema(document)
+    assert schema["$schema"] == DIALECT
+    assert json.loads(json.dumps(schema)) == schema
+    for record in (schema, *schema["$defs"].values()):
+        if "properties" in record:
+            assert record["additionalProperties"] is False
+    for name in ("Case", "Limit", "Output", "Instrument", "Slot", "Station"):
+        for key, place in schema["$defs"].get(name, {}).get("properties", {}).items():
+            assert place.get("description"), f"{name}.{key}"
+
+
+def test_the_schemas_pattern_takes_the_shipped_quantities() -> None:
+    place = json_schema("spec")["$defs"]["Case"]["properties"]["duration"]
+    for text in ("1 h", "10min", "0.5 °", "35 %", "3 µs", "1e-3 √h", "1 (s)"):
+        assert re.search(place["pattern"], text), text
+    for text in ("1", "s", "3,5 s", "nan s", "1 ; s"):
+        assert not re.search(place["pattern"], text), text
+
+
+def test_the_procedure_chooses_what_its_parameters_may_hold() -> None:
+    case = json_schema("spec")["$defs"]["Case"]
+    assert "static" in case["properties"]["procedure"]["enum"]
+    then = {one["if"]["properties"]["procedure"]["const"]: one["then"] for one in case["allOf"]}
+    assert then["static"]["properties"]["parameters"] == {"$ref": "#/$defs/static.parameters"}
+
+
+def test_the_page_of_all_keys_is_up_to_date() -> None:
+    page = Path(__file__).parents[3] / "docs" / "spec-reference.md"
+    made = reference_markdown(json_schema("spec"), json_schema("station"))
+    assert page.read_text(encoding="utf-8") == made, (
+        "make it again: python -m gyrotest.specification.reference > docs/spec-reference.md"
+    )
