@@ -31,7 +31,10 @@ _GARBAGE = b"\x15\x7f?+2.5#\x0b;0E"
 
 
 class Meter:
-    """A multimeter that reads a converter; `execute` takes one program message at a time."""
+    """A multimeter that reads a converter; `execute` takes one program message at a time.
+
+    `live`: long replies are handed on in small parts. `hurried`: its clock is moved by nobody else.
+    """
 
     def __init__(
         self,
@@ -43,6 +46,7 @@ class Meter:
         clock: Clock,
         converter: Converter,
         live: bool,
+        hurried: bool = False,
     ) -> None:
         self.model = model
         self.serial_number = serial_number
@@ -61,6 +65,7 @@ class Meter:
         self._table = table
         self._clock = clock
         self._live = live
+        self._hurried = hurried
         self._dead = False
         self._reading_asked = False
 
@@ -127,7 +132,6 @@ class Meter:
     def clear(self) -> None:
         """Device clear: stop what is under way; settings and errors stay."""
         self.abort()
-        self.now_s = self._clock.now_s()
 
     # Timing
 
@@ -247,8 +251,13 @@ class Meter:
         self.catch_up()
 
     def asked_for_readings(self) -> None:
-        """Note that this message asks for readings: what strikes, strikes its reply."""
+        """Note that this message asks for readings: what strikes, strikes its reply.
+
+        Where nobody but the meter moves its time, the readings under way are then awaited.
+        """
         self._reading_asked = True
+        if self._hurried and self.acquisition is not None and not self.memory:
+            self.wait_for(int(min(_BATCH, self.acquisition.count - self.acquisition.done)))
 
     def may_measure(self) -> None:
         """Refuse a measurement over RS-232 before `SYST:REM`; raises `ScpiError`."""
@@ -293,7 +302,8 @@ class Meter:
             range_v=self.settings.range_v,
             nplc=self.settings.nplc,
         )
-        return [float(value) for value in values]
+        readings: list[float] = values.tolist()
+        return readings
 
 
 def _joined(answer: str | bytes | Iterator[bytes]) -> bytes:

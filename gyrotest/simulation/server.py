@@ -25,7 +25,10 @@ class Server(Protocol):
 
 
 class TcpServer:
-    """Serves a dialogue on 127.0.0.1; every connection begins a dialogue of its own."""
+    """Serves a dialogue on 127.0.0.1; every connection begins a dialogue of its own.
+
+    What stands behind answers one connection at a time.
+    """
 
     def __init__(self, dialogue: Callable[[], Dialogue], clock: Clock, *, port: int = 0) -> None:
         self._dialogue = dialogue
@@ -33,6 +36,7 @@ class TcpServer:
         self._listener = socket.create_server(("127.0.0.1", port))
         self.port: int = self._listener.getsockname()[1]
         self._lock = threading.Lock()
+        self._talking = threading.Lock()
         self._connections: set[socket.socket] = set()
         self._threads: set[threading.Thread] = set()
         self._closed = False
@@ -66,9 +70,10 @@ class TcpServer:
         sleep_until = self._clock.sleep_until
         with contextlib.suppress(OSError, HangUp), connection:
             while data := connection.recv(_CHUNK):
-                for ready_s, part in receive(data):
-                    sleep_until(ready_s)
-                    connection.sendall(part)
+                with self._talking:
+                    for ready_s, part in receive(data):
+                        sleep_until(ready_s)
+                        connection.sendall(part)
         with self._lock:
             self._connections.discard(connection)
 
