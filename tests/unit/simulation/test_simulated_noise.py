@@ -58,8 +58,8 @@ def test_bias_instability_is_flat_at_its_coefficient_times_0_664() -> None:
 
 def test_rate_random_walk_rises_as_root_tau() -> None:
     rates = noise(densities(k=1e-4)).means(0.0, 1.0, 1.0, 200_000)
-    taus = np.array([4, 16, 64])
-    assert allan_deviations(rates, taus) == pytest.approx(1e-4 * np.sqrt(taus / 3.0), rel=0.06)
+    taus = [4, 16, 64]
+    assert allan_deviations(rates, taus) == pytest.approx(1e-4 * np.sqrt(np.array(taus) / 3.0), rel=0.06)
 
 
 def test_white_noise_is_limited_by_the_bandwidth_at_short_apertures() -> None:
