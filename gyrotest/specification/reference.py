@@ -83,25 +83,28 @@ def _row(key: str, place: Schema, definitions: Schema, *, required: bool) -> str
 
 
 def _accepts(place: Schema, definitions: Schema) -> str:
+    """Return in words what a place accepts, a record as a link to its section."""
     if "$ref" in place:
         name = place["$ref"].rpartition("/")[2]
         choices = definitions.get(name, {}).get("enum")
         return " or ".join(f"`{one}`" for one in choices) if choices else f"[{name}](#{name.lower()})"
-    if "x-quantity" in place:
-        return str(place["x-quantity"])
     if "anyOf" in place:
         return " or ".join(_accepts(one, definitions) for one in place["anyOf"])
-    kind = str(place.get("type", "any"))
-    names = {"string": "text", "integer": "whole number", "boolean": "true or false", "array": "list"}
-    below = place.get("additionalProperties")
+    return str(place["x-quantity"]) if "x-quantity" in place else _plain_type(place, definitions)
+
+
+def _plain_type(place: Schema, definitions: Schema) -> str:
+    kind, below, items = place.get("type"), place.get("additionalProperties"), place.get("items")
     if kind == "object":
-        inner = _accepts(below, definitions) if isinstance(below, Mapping) else "any"
-        return f"names with {inner}"
-    if kind == "array" and isinstance(place.get("items"), Mapping):
-        return f"list of {_accepts(place['items'], definitions)}"
+        return (
+            f"names with {_accepts(below, definitions) if isinstance(below, Mapping) else 'any value'}"
+        )
+    if kind == "array" and isinstance(items, Mapping):
+        return f"list: {_accepts(items, definitions)} each"
     if place.get("format") == "date":
         return "date"
-    return names.get(kind, kind)
+    names = {"string": "text", "integer": "whole number", "boolean": "true or false", "array": "list"}
+    return names.get(str(kind), str(kind or "any value"))
 
 
 def _default(place: Schema) -> str:

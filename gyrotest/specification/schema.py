@@ -58,11 +58,11 @@ def _without_nulls(node: Any) -> Any:
         return [_without_nulls(one) for one in node]
     if not isinstance(node, dict):
         return node
+    if node.keys() == {"value", "unit"} and isinstance(node["value"], float):
+        return str(Quantity(node["value"], node["unit"]))  # a default
     kept = {key: _without_nulls(value) for key, value in node.items() if not _is_noise(key, value)}
     if isinstance(examples := kept.get("examples"), list):
         kept["examples"] = [_plain(one) for one in examples]
-    if isinstance(default := kept.get("default"), dict) and default.keys() == {"value", "unit"}:
-        kept["default"] = str(Quantity(default["value"], default["unit"]))
     options = [one for one in kept.get("anyOf", ()) if one != {"type": "null"}]
     if len(options) == 1:
         kept = {key: value for key, value in kept.items() if key != "anyOf"}
