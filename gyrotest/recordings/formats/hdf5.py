@@ -25,7 +25,7 @@ def read_hdf5(path: Path, selection: Selection) -> Iterator[Part]:
             chosen = find_name(_absolute(selection.array), names, path, "array")
             values = _column(file[chosen], selection.column, path)
             yield from parts_of(values, _time(file, names, chosen, path, selection), path)
-    except OSError as error:
+    except (OSError, RuntimeError, KeyError, ValueError) as error:
         raise RecordingError(f"{path}: cannot be read as HDF5: {error}") from error
 
 

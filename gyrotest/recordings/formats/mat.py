@@ -1,11 +1,24 @@
 """MATLAB's files up to version 7 (version 7.3 is HDF5)."""
 
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 
 from gyrotest.errors import RecordingError
 from gyrotest.recordings.formats.array_rows import column_of, parts_of, refuse_where
 from gyrotest.recordings.formats.selection import Part, Selection, find_name
+
+# What scipy raises on a damaged file, beside its own error.
+_DAMAGE = (
+    OSError,
+    ValueError,
+    TypeError,
+    IndexError,
+    KeyError,
+    NotImplementedError,
+    MemoryError,
+    zlib.error,
+)
 
 
 def read_mat(path: Path, selection: Selection) -> Iterator[Part]:
@@ -21,7 +34,7 @@ def read_mat(path: Path, selection: Selection) -> Iterator[Part]:
         if isinstance(selection.time_column, str):
             wanted.append(find_name(selection.time_column, names, path, "time_column"))
         variables = loadmat(str(path), variable_names=wanted)
-    except (OSError, ValueError, TypeError, NotImplementedError, MatReadError) as error:
+    except (*_DAMAGE, MatReadError) as error:
         raise RecordingError(f"{path}: cannot be read as a MATLAB file: {error}") from error
     values = column_of(variables[chosen], selection.column, path)
     time = None

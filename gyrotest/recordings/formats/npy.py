@@ -1,6 +1,8 @@
 """NumPy's npy (mapped into memory) and npz files."""
 
+import tokenize
 import zipfile
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -11,6 +13,9 @@ from gyrotest.errors import RecordingError
 from gyrotest.recordings.formats.array_rows import column_of, parts_of, refuse_where
 from gyrotest.recordings.formats.selection import Part, Selection, find_name
 
+# What NumPy raises on a damaged file; it reads the header as Python's literals.
+_DAMAGE = (OSError, ValueError, EOFError, SyntaxError, tokenize.TokenError, MemoryError)
+
 
 def read_npy(path: Path, selection: Selection) -> Iterator[Part]:
     """Yield rows of an npy file; raises `RecordingError`."""
@@ -19,7 +24,7 @@ def read_npy(path: Path, selection: Selection) -> Iterator[Part]:
         raise RecordingError(f"{path}: holds one array without a name; leave 'array' out")
     try:
         array = np.load(path, mmap_mode="r", allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
+    except _DAMAGE as error:
         raise RecordingError(f"{path}: cannot be read as npy: {error}") from error
     values = column_of(array, selection.column, path)
     time = None if selection.time_column is None else column_of(array, selection.time_column, path)
@@ -30,9 +35,9 @@ def read_npz(path: Path, selection: Selection) -> Iterator[Part]:
     """Yield rows of an array in an npz file; a time column by name is another array in it."""
     refuse_where(selection, path)
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
             values, time = _arrays(file, path, selection)
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+    except (*_DAMAGE, zipfile.BadZipFile, zlib.error, NotImplementedError) as error:
         raise RecordingError(f"{path}: cannot be read as npz: {error}") from error
     yield from parts_of(values, time, path)
 
