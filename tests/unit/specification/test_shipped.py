@@ -76,3 +76,29 @@ def test_the_page_of_all_keys_is_up_to_date() -> None:
     assert page.read_text(encoding="utf-8") == made, (
         "make it again: python -m gyrotest.specification.reference > docs/spec-reference.md"
     )
+
+
+@pytest.mark.parametrize("page", ["specs.md", "stations.md"])
+def test_the_documents_in_the_docs_are_good(page: str, tmp_path: Path) -> None:
+    text = (Path(__file__).parents[3] / "docs" / page).read_text(encoding="utf-8")
+    whole = [
+        one
+        for one in re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
+        if "slots:" in one or "cases:\n  rest" in one
+    ]
+    assert whole
+    for number, example in enumerate(whole):
+        path = tmp_path / f"{number}.yaml"
+        path.write_text(example, encoding="utf-8")
+        if page == "specs.md":
+            load_spec(path)
+        else:
+            load_station(path)
+
+
+def test_the_fragments_of_the_spec_page_make_a_spec(tmp_path: Path) -> None:
+    text = (Path(__file__).parents[3] / "docs" / "specs.md").read_text(encoding="utf-8")
+    head, cases, limits = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)[1:4]
+    path = tmp_path / "whole.yaml"
+    path.write_text(head + cases + limits, encoding="utf-8")
+    assert set(load_spec(path).spec.cases["bias_stability"].limits) >= {"bias", "bias_run_to_run"}
