@@ -70,10 +70,13 @@ def write_certificate(record: RunRecord, folder: Path) -> Path:
         raise CertificateError(f"{folder}: the certificate cannot be written: {error}") from error
 
 
-def certificate_bytes(record: RunRecord) -> bytes:
-    """Draw the certificate; the same record gives the same bytes."""
+def certificate_bytes(record: RunRecord, data: bytes | None = None) -> bytes:
+    """Draw the certificate; the same record gives the same bytes.
+
+    `data` is the record as JSON where it exists already, and is then attached as it is.
+    """
     weasyprint = _weasyprint()
-    data = record_bytes(record)
+    data = record_bytes(record) if data is None else data
     digest = record_sha256(data)
     html = _html(record, digest)
     content: bytes = _document(html).write_pdf(

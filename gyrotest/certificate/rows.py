@@ -55,6 +55,11 @@ class Row:
     look: Look | None
     reason: str
 
+    @property
+    def telling(self) -> bool:
+        """Whether its limits are printed once more, beside it."""
+        return self.look is not None and self.look.style != "pass"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Group:

@@ -1,8 +1,9 @@
 """The sentences of a certificate: what conforms, by which rule, with which uncertainty, and what deviates."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
-from gyrotest.certificate.rows import RULE_WORDS, outcome
+from gyrotest.certificate.rows import LOOKS, RULE_WORDS, outcome
 from gyrotest.records.result import JudgedResult, Verdict
 from gyrotest.records.run import ItemRecord, RunRecord
 from gyrotest.records.spec import DecisionRule
@@ -27,6 +28,12 @@ _CONFORMITY = {
     Verdict.INCOMPLETE: "The test is not complete: no statement of conformity is made. Verdicts on single "
     "results hold for these alone.",
 }
+_HEADINGS = {
+    Verdict.FAIL: "Not conforming:",
+    Verdict.CONDITIONAL_FAIL: "Outside by less than the uncertainty:",
+    Verdict.CONDITIONAL_PASS: "Inside by less than the uncertainty:",
+    Verdict.INCOMPLETE: "Not judged:",
+}
 
 
 def judged(record: RunRecord) -> list[JudgedResult]:
@@ -49,21 +56,27 @@ def rule_names(record: RunRecord) -> str:
     return f"rule{'s' * (len(rules) > 1)}: {names}" if rules else "no decision rule applied"
 
 
-def banners(record: RunRecord) -> Iterator[tuple[str, str]]:
-    """What must not be overlooked: pairs of heading and text."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Banner:
+    """What must not be overlooked."""
+
+    style: str
+    heading: str
+    text: str
+
+
+def banners(record: RunRecord) -> Iterator[Banner]:
+    """Name what the certificate replaces, what does not conform and what is missing."""
     if record.amends:
-        yield "Amended:", f"this certificate replaces {record.amends}."
-    for verdict, heading in (
-        (Verdict.FAIL, "Not conforming:"),
-        (Verdict.CONDITIONAL_FAIL, "Outside by less than the uncertainty:"),
-        (Verdict.CONDITIONAL_PASS, "Inside by less than the uncertainty:"),
-        (Verdict.INCOMPLETE, "Not judged:"),
-    ):
+        text = f"this certificate replaces {record.amends}."
+        yield Banner(style="amended", heading="Amended:", text=text)
+    for verdict, heading in _HEADINGS.items():
         found = [outcome(one) for one in record.results if one.verdict is verdict]
         if found:
-            yield heading, _listed(found)
+            yield Banner(style=LOOKS[verdict].style, heading=heading, text=_listed(found))
     if record.missing or record.verdict is Verdict.INCOMPLETE:
-        yield "Incomplete:", _listed(list(record.missing) or ["the run did not finish"])
+        text = _listed(list(record.missing) or ["the run did not finish"])
+        yield Banner(style=LOOKS[Verdict.INCOMPLETE].style, heading="Incomplete:", text=text)
 
 
 def conformity(record: RunRecord) -> str:

@@ -62,7 +62,7 @@ class View:
     rule: str
     unit_facts: tuple[Fact, ...]
     test_facts: tuple[Fact, ...]
-    banners: tuple[tuple[str, str], ...]
+    banners: tuple[statement.Banner, ...]
     tables: tuple[CaseTable, ...]
     conformity: str
     decision_rules: tuple[str, ...]
@@ -185,6 +185,8 @@ def _ended(record: RunRecord) -> datetime:
 
 
 def _span(begin: datetime, end: datetime) -> str:
+    if begin == end:
+        return f"begun {begin:%Y-%m-%d %H:%M} UTC"
     if begin.date() == end.date():
         return f"{begin:%Y-%m-%d %H:%M}–{end:%H:%M} UTC"
     return f"{begin:%Y-%m-%d %H:%M} – {end:%Y-%m-%d %H:%M} UTC"

@@ -1,0 +1,136 @@
+"""Whether a certificate, or a run's folder, still says what was recorded.
+
+A certificate is drawn again from the record attached to it, and what its pages say is compared word
+for word. That finds altered numbers; that nobody made record and certificate anew only a signature
+can tell.
+"""
+
+import hashlib
+import io
+from collections.abc import Iterator
+from itertools import zip_longest
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gyrotest.certificate.csv import results_csv
+from gyrotest.certificate.pdf import RECORD_NAME, RESULTS_NAME, certificate_bytes
+from gyrotest.certificate.record import read_record, record_sha256
+from gyrotest.errors import CertificateError
+from gyrotest.records.recording import Recording
+from gyrotest.records.run import RunRecord
+
+if TYPE_CHECKING:
+    from pypdf import PdfReader
+
+_SHOWN = 60
+
+
+def verify_pdf(path: Path) -> tuple[str, ...]:
+    """Return what is wrong with a certificate; nothing where it is sound."""
+    from pypdf.errors import PyPdfError
+
+    # A damaged file makes the reader stumble in many ways.
+    damage = (PyPdfError, OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError)
+    try:
+        return tuple(f"{path.name}: {complaint}" for complaint in _pdf_complaints(path.read_bytes()))
+    except CertificateError as error:
+        return (f"{path.name}: {error}",)
+    except damage as error:
+        return (f"{path.name}: cannot be read as a certificate: {error}",)
+
+
+def verify_run(folder: Path) -> tuple[str, ...]:
+    """Return what is wrong with a run's record, recordings and certificates."""
+    place = folder / RECORD_NAME
+    try:
+        data = place.read_bytes()
+        record = read_record(data)
+    except (OSError, CertificateError) as error:
+        return (f"{place}: {error}",)
+    recordings = [one.recording for item in record.items for one in item.attempts if one.recording]
+    complaints = [
+        found for recording in recordings for found in _recording_complaints(folder, recording)
+    ]
+    for pdf in sorted(folder.glob("*.pdf")):
+        complaints += verify_pdf(pdf)
+        complaints += _attachment_complaints(pdf, data)
+    return tuple(complaints)
+
+
+def _pdf_complaints(content: bytes) -> Iterator[str]:
+    from pypdf import PdfReader
+
+    reader = PdfReader(io.BytesIO(content))
+    data = _attached(reader, RECORD_NAME)
+    if data is None:
+        yield f"no {RECORD_NAME} is attached"
+        return
+    record = read_record(data)
+    drawn = certificate_bytes(record, data)
+    if drawn == content:
+        return
+    yield from _hash_complaints(reader, data)
+    if _attached(reader, RESULTS_NAME) != results_csv(record).encode():
+        yield f"{RESULTS_NAME} differs from the attached record"
+    yield from _page_complaints(reader, PdfReader(io.BytesIO(drawn)), record)
+
+
+def _attached(reader: "PdfReader", name: str) -> bytes | None:
+    found = reader.attachments.get(name)
+    return found[0] if found else None
+
+
+def _hash_complaints(reader: "PdfReader", data: bytes) -> Iterator[str]:
+    digest = record_sha256(data)
+    keywords = (reader.metadata.keywords if reader.metadata else None) or ""
+    if digest not in keywords:
+        yield f"the attached record's SHA-256 is {digest}, the metadata name '{keywords}'"
+    if not any(digest in page.extract_text() for page in reader.pages):
+        yield f"the attached record's SHA-256 {digest} is not the one that is printed"
+
+
+def _page_complaints(found: "PdfReader", expected: "PdfReader", record: RunRecord) -> Iterator[str]:
+    if len(found.pages) != len(expected.pages):
+        yield f"has {len(found.pages)} pages, the record gives {len(expected.pages)}"
+    for number, (page, again) in enumerate(zip(found.pages, expected.pages, strict=False), start=1):
+        if len(page.get("/Annots", ())) != len(again.get("/Annots", ())):
+            yield f"page {number} carries annotations that the certificate does not have"
+        if page.extract_text() != again.extract_text():
+            difference = _difference(page.extract_text(), again.extract_text())
+            yield f"page {number} {difference} (made by gyrotest {record.header.software.get('gyrotest', '?')})"
+
+
+def _difference(found: str, expected: str) -> str:
+    """Tell the first line that differs."""
+    for ours, theirs in zip_longest(found.splitlines(), expected.splitlines(), fillvalue=""):
+        if ours != theirs:
+            return f"says '{ours[:_SHOWN]}' where the record gives '{theirs[:_SHOWN]}'"
+    return "differs from the record"
+
+
+def _recording_complaints(folder: Path, recording: Recording) -> Iterator[str]:
+    place = (folder / recording.path).resolve()
+    if not place.is_relative_to(folder.resolve()):
+        yield f"{recording.path}: lies outside the run's folder"
+    elif not place.is_file():
+        yield f"{recording.path}: the recording is missing"
+    elif recording.sha256 is None:
+        if recording.complete:
+            yield f"{recording.path}: the record has no hash of it"
+    else:
+        with place.open("rb") as file:
+            digest = hashlib.file_digest(file, "sha256").hexdigest()
+        if digest != recording.sha256:
+            yield f"{recording.path}: its SHA-256 is {digest}, the record says {recording.sha256}"
+
+
+def _attachment_complaints(pdf: Path, data: bytes) -> Iterator[str]:
+    from pypdf import PdfReader
+    from pypdf.errors import PyPdfError
+
+    try:
+        attached = _attached(PdfReader(pdf), RECORD_NAME)
+    except (PyPdfError, OSError, ValueError):
+        return  # that it cannot be read has been said
+    if attached is not None and attached != data:
+        yield f"{pdf.name}: the attached record is not the folder's {RECORD_NAME}"
