@@ -89,9 +89,7 @@ def _record_note(record: StaticRecord) -> str:
 
 
 def _band_panel(record: StaticRecord, bins: _Bins, rate: Unit, time: Unit) -> Panel:
-    middle: NDArray[np.float64] = (
-        record.begin_s + (np.arange(bins.mean.size) + 0.5) * bins.size * record.interval_s
-    )
+    middle = _middles(record, bins.mean.size, bins.size)
     x = _drawn(middle, time)
     band = Band(x=x, lower=_drawn(bins.lowest, rate), upper=_drawn(bins.highest, rate))
     return Panel(
@@ -100,6 +98,12 @@ def _band_panel(record: StaticRecord, bins: _Bins, rate: Unit, time: Unit) -> Pa
         bands=(band,) if bins.size > 1 else (),
         curves=(Curve(x=x, y=_drawn(bins.mean, rate), role=Role.MEAN),),
     )
+
+
+def _middles(record: StaticRecord, count: int, size: int) -> NDArray[np.float64]:
+    """Return the times at which consecutive runs of `size` samples have their middle."""
+    runs = np.arange(count, dtype=np.float64)
+    return np.asarray(record.begin_s + (runs + 0.5) * size * record.interval_s, dtype=np.float64)
 
 
 def _panel_mean_s(record: StaticRecord) -> float:
@@ -116,8 +120,7 @@ def _mean_panels(record: StaticRecord, rate: Unit, time: Unit, mean: float) -> t
         return ()
     count = record.rate_dps.size // size
     means = record.rate_dps[: count * size].reshape(count, size).mean(axis=1)
-    middle: NDArray[np.float64] = record.begin_s + (np.arange(count) + 0.5) * mean_s
-    x = _drawn(middle, time)
+    x = _drawn(_middles(record, count, size), time)
     panel = Panel(
         y_label=f"{mean_s:g} s mean / ({rate.name})",
         x_label=f"Time / {time.name}",
