@@ -318,3 +318,80 @@ def test_status_registers_tell_of_errors() -> None:
     desk = Desk()
     desk.ask("*ESE 60;*SRE 32;FOO")
     assert desk.ask("*STB?;*ESR?;*ESR?") == b"+96;+32;+0\n"
+
+
+@pytest.mark.parametrize(
+    ("message", "reply"),
+    [
+        ("CONF:VOLT:DC 10,1E-5;:CONF?", b'"VOLT +1.000000E+01,+1.000000E-05"\n'),
+        ("CONF:VOLT:DC 10,MAX;:VOLT:NPLC?", b"+2.00000000E-02\n"),
+        ("CONF:VOLT:DC 10,MIN;:VOLT:NPLC?", b"+1.00000000E+02\n"),
+        ("VOLT:RANG 10;RES 1E-4;NPLC?", b"+2.00000000E-01\n"),
+        ("VOLT:RANG 10;RES? MAX", b"+1.00000000E-03\n"),
+        ("VOLT:RANG:AUTO OFF;AUTO?", b"0\n"),
+        ("VOLT:RANG:AUTO ON;AUTO?", b"1\n"),
+        ("VOLT:NPLC? MIN;NPLC? MAX", b"+2.00000000E-02;+1.00000000E+02\n"),
+        ("ZERO:AUTO ONCE;AUTO?", b"0\n"),
+        ("TRIG:COUN INF;COUN?", b"+9.90000000E+37\n"),
+        ("TRIG:DEL:AUTO OFF;AUTO?", b"0\n"),
+        ('FUNC "VOLT:DC";FUNC?', b'"VOLT"\n'),
+        ("MEAS:VOLT:DC? 10,1E-5", b"+2.50000000E+00\n"),
+        ("*OPC;*ESR?", b"+1\n"),
+        ("*WAI;*TST?", b"+0\n"),
+        ("*ESE 4;*ESE?;*SRE 8;*SRE?", b"+4;+8\n"),
+        ("*RST;*CLS;:SYST:ERR?", NO_ERROR),
+        ('DISP OFF;DISP:TEXT "hi";TEXT:CLE;:SYST:BEEP;LOC;:SYST:ERR?', NO_ERROR),
+        ("STAT:QUES:ENAB 512;ENAB?", b"+512\n"),
+    ],
+)
+def test_the_34401a_answers(message: str, reply: bytes) -> None:
+    desk = Desk()
+    assert desk.ask(message) == reply
+    assert desk.error() == NO_ERROR
+
+
+@pytest.mark.parametrize(
+    ("message", "reply"),
+    [
+        ("VOLT:DC:IMP:AUTO ON;AUTO?", b"1\n"),
+        ("SAMP:SOUR TIM;SOUR?", b"TIM\n"),
+        ("SAMP:TIM MIN;TIM?", b"+4.00020000E-01\n"),
+        ("SAMP:TIM? MAX", b"+3.60000000E+03\n"),
+        ("FORM:DATA?", b"ASC,9\n"),
+        ("FORM:DATA REAL,64;DATA?", b"REAL,64\n"),
+        ("FORM:BORD SWAP;BORD?", b"SWAP\n"),
+        ("DATA:LAST?", b"+9.91000000E+37 VDC\n"),
+        ("SAMP:COUN 3;:INIT;*OPC?;:DATA:LAST?", b"1;+2.50000000E+00 VDC\n"),
+        (
+            "SAMP:COUN 3;:INIT;*OPC?;:R? 2;R?",
+            b"1;#231" + b"+2.50000000E+00,+2.50000000E+00;#215+2.50000000E+00\n",
+        ),
+        ("SAMP:COUN 2;:READ?", b"+2.50000000E+00,+2.50000000E+00\n"),
+        ("TRIG:SOUR BUS;:INIT;:STAT:OPER:COND?", b"+32\n"),
+        ("STAT:QUES:ENAB 9;:STAT:PRES;QUES:ENAB?", b"+0\n"),
+        ("SYST:LFR?", b"+50\n"),
+    ],
+)
+def test_the_34465a_answers(message: str, reply: bytes) -> None:
+    desk = Desk("34465A")
+    desk.ask("CONF:VOLT:DC 10")
+    assert desk.ask(message) == reply
+    assert desk.error() == NO_ERROR
+
+
+@pytest.mark.parametrize(
+    ("message", "code"),
+    [
+        ("FORM:DATA REAL,32", b"-224"),
+        ("FORM:DATA", b"-109"),
+        ("DATA:REM? 3", b"-222"),
+        ("DATA:REM? 3,WAIT", b"-222"),
+        ("DATA:REM?", b"-109"),
+        ("ZERO:AUTO OFF", b"-113"),
+        ("TRIG:COUN INF;:INIT;:FETC?", b"-214"),
+    ],
+)
+def test_the_34465a_refuses(message: str, code: bytes) -> None:
+    desk = Desk("34465A")
+    desk.ask(message)
+    assert (desk.error() or b"").split(b",")[0] == code

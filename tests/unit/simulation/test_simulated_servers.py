@@ -290,3 +290,21 @@ def test_ctrl_c_stops_serving_without_a_traceback() -> None:
         stop=Impatient(),
     )
     assert said[-1] == "stopped"
+
+
+@pytest.mark.parametrize(
+    ("line", "reply"),
+    [
+        (b"++auto\n", b"0\r\n"),
+        (b"++read_tmo_ms 5000\n", b"Unrecognized command\r\n"),
+        (b"++addr 31\n", b"Unrecognized command\r\n"),
+        (b"++loc\n++srq\n", b"0\r\n"),
+        (b"*ESE 60;*SRE 32;FOO\n++spoll\n", b"96\r\n"),
+        (b"++rst\n++read_tmo_ms\n", b"500\r\n"),
+        (b"TRIG:SOUR BUS;:INIT\n++trg\nFETC?\n++read_tmo_ms 3000\n++read eoi\n++addr\n", b"+2."),
+        (b"++addr 5\n*IDN?\n++read eoi\n++addr\n", b"5\r\n"),
+    ],
+)
+def test_the_adapter_answers(line: bytes, reply: bytes) -> None:
+    with bench("simulated:prologix") as made, gpib(made) as connection:
+        assert ask(connection, line).startswith(reply)
