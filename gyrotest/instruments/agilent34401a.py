@@ -65,6 +65,7 @@ class Agilent34401ASettings:
     def __post_init__(self) -> None:
         check_range(self.range)
         check_nplc(self.nplc, tuple(_RESOLUTION), "34401A")
+        _ = self.line  # checks the serial settings
 
     @property
     def line(self) -> SerialLine:

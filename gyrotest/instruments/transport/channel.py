@@ -33,6 +33,15 @@ class SerialLine:
     stop_bits: int = 1
     flow_control: FlowControl = FlowControl.NONE
 
+    def __post_init__(self) -> None:
+        for name, accepted in (("data_bits", (7, 8)), ("stop_bits", (1, 2))):
+            if getattr(self, name) not in accepted:
+                raise ValueError(
+                    f"{name} {getattr(self, name)} is none of {accepted[0]} and {accepted[1]}"
+                )
+        if self.baud_rate <= 0:
+            raise ValueError(f"baud_rate {self.baud_rate} is not more than zero; write e.g. 9600")
+
     @property
     def seconds_per_byte(self) -> float:
         """Time that one byte takes, start, parity and stop bits included."""

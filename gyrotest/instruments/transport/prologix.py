@@ -25,13 +25,26 @@ def open_prologix(
     """Open the adapter, unless an instrument of this process has it open already, and the instrument."""
     interface = _open_already(manager, interface_name)
     if interface is None:
-        interface = open_session(manager, interface_name, timeout_s)
+        interface = _open_interface(manager, interface_name, timeout_s)
         try:
             _set_up(interface)
         except BaseException:
             interface.close()
             raise
     return PrologixChannel(manager, open_session(manager, instrument_name, timeout_s), interface)
+
+
+def _open_interface(manager: Any, interface_name: str, timeout_s: float) -> Any:
+    from pyvisa_py import prologix
+
+    known = set(prologix._PrologixIntfcSession.boards.values())
+    try:
+        return open_session(manager, interface_name, timeout_s)
+    except BaseException:
+        # PyVISA-py enters an adapter before it has spoken to it, and does not strike it out again.
+        for half_open in set(prologix._PrologixIntfcSession.boards.values()) - known:
+            half_open.close()
+        raise
 
 
 def _open_already(manager: Any, interface_name: str) -> Any:

@@ -71,7 +71,21 @@ def os_errors() -> Iterator[None]:
 
 def open_session(manager: Any, resource: str, timeout_s: float) -> Any:
     """Open one session, whose connection is made in the time given at most."""
+    _refuse_unknown_host(resource)
     return manager.open_resource(resource, open_timeout=round(1000 * timeout_s))
+
+
+def _refuse_unknown_host(resource: str) -> None:
+    """Raise where a host has no address: PyVISA-py would leave a socket open then."""
+    from pyvisa.rname import InvalidResourceName, parse_resource_name
+
+    try:
+        host = getattr(parse_resource_name(resource), "host_address", None)
+    except InvalidResourceName as error:
+        raise OSError(f"'{resource}' is no VISA resource") from error
+    if host is not None:
+        # Of a VXI-11 resource the port may follow the host, after a comma.
+        socket.getaddrinfo(host.partition(",")[0], None, socket.AF_INET)
 
 
 def socket_beneath(session: Any) -> socket.socket | None:
