@@ -1,11 +1,8 @@
 """The reference page of all keys, made from the JSON Schema so that the two cannot disagree."""
 
 import json
-import sys
 from collections.abc import Iterator, Mapping
 from typing import Any
-
-from gyrotest.specification.schema import json_schema
 
 Schema = Mapping[str, Any]
 
@@ -18,7 +15,7 @@ A quantity is a number and its unit, such as `10 min` or `50 mV/(deg/s)`. An unk
 _COLUMNS = "| Key | Accepts | Default | Meaning | Example |\n|---|---|---|---|---|"
 
 
-def reference_markdown(spec: Schema, station: Schema) -> str:
+def rendered_reference(spec: Schema, station: Schema) -> str:
     """Return the reference of all keys in Markdown, from the schemas of both documents."""
     parts = [_HEAD, "## Spec\n", *_document(spec), "## Station\n", *_document(station)]
     return "\n".join(parts).rstrip() + "\n"
@@ -121,7 +118,3 @@ def _written(value: Any) -> str:
     if isinstance(value, list):
         return "[" + ", ".join(_written(one) for one in value) + "]"
     return json.dumps(value)
-
-
-if __name__ == "__main__":
-    sys.stdout.write(reference_markdown(json_schema("spec"), json_schema("station")))

@@ -8,6 +8,7 @@ from pydantic import TypeAdapter
 from gyrotest.records.spec import Spec
 from gyrotest.records.station import Station
 from gyrotest.registry import INSTRUMENTS, PROCEDURES, load, names
+from gyrotest.specification.reference import rendered_reference
 from gyrotest.specification.yaml_tree import TreeBuilder
 from gyrotest.units import Quantity
 
@@ -34,6 +35,11 @@ def json_schema(document: Document, sections: Sections | None = None) -> dict[st
         _choose(schema, "Instrument", "driver", "settings", found)
     title = "gyrotest spec" if document == "spec" else "gyrotest station"
     return {"$schema": DIALECT, "title": title} | {k: v for k, v in schema.items() if k != "title"}
+
+
+def reference_markdown() -> str:
+    """Return the page of all keys, those of the installed procedures and drivers among them."""
+    return rendered_reference(json_schema("spec"), json_schema("station"))
 
 
 def _choose(schema: dict[str, Any], record: str, chooser: str, section: str, sections: Sections) -> None:

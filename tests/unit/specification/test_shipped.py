@@ -7,9 +7,10 @@ from typing import Any
 
 import pytest
 
+from gyrotest.errors import DocumentError
+from gyrotest.specification.check import check_file
 from gyrotest.specification.lookup import shipped_specs
-from gyrotest.specification.reference import reference_markdown
-from gyrotest.specification.schema import DIALECT, json_schema
+from gyrotest.specification.schema import DIALECT, json_schema, reference_markdown
 from gyrotest.specification.spec import load_spec
 from gyrotest.specification.station import load_station
 
@@ -72,9 +73,9 @@ def test_the_procedure_chooses_what_its_parameters_may_hold() -> None:
 
 def test_the_page_of_all_keys_is_up_to_date() -> None:
     page = Path(__file__).parents[3] / "docs" / "spec-reference.md"
-    made = reference_markdown(json_schema("spec"), json_schema("station"))
+    made = reference_markdown()
     assert page.read_text(encoding="utf-8") == made, (
-        "make it again: python -m gyrotest.specification.reference > docs/spec-reference.md"
+        "make it again: gyrotest schema reference > docs/spec-reference.md"
     )
 
 
@@ -102,3 +103,19 @@ def test_the_fragments_of_the_spec_page_make_a_spec(tmp_path: Path) -> None:
     path = tmp_path / "whole.yaml"
     path.write_text(head + cases + limits, encoding="utf-8")
     assert set(load_spec(path).spec.cases["bias_stability"].limits) >= {"bias", "bias_run_to_run"}
+
+
+def test_a_file_is_checked_as_what_it_is(tmp_path: Path) -> None:
+    assert check_file(shipped_specs() / "mems50.yaml") == "a good spec of MEMS50 (1 case)"
+    station = shipped_specs() / "stations" / "simulated.yaml"
+    assert check_file(station) == "a good station, 'Simulated bench' (1 instrument)"
+    path = tmp_path / "a.yaml"
+    for text, expected in (
+        ("colour: red\n", "a.yaml:1: is neither a spec"),
+        ("model: x\n", "output: is missing"),
+        ("name: x\nslots: {}\n", "instruments: is missing"),
+    ):
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(DocumentError) as refused:
+            check_file(path)
+        assert expected in str(refused.value)
