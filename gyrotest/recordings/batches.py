@@ -99,7 +99,7 @@ def _opening(of: "pa.Schema", file: Path) -> Opening:
     except (RecordingError, KeyError, ValueError) as error:
         raise RecordingError(f"{file}: {error}") from error
     if not of.equals(recording_schema(header, {})):
-        raise RecordingError(f"{file}: damaged: its columns are {', '.join(of.names)}")
+        raise RecordingError(f"{file}: damaged: its columns are not those that its header names")
     return Opening(header=header, row=place["row"], reason=place["reason"])
 
 

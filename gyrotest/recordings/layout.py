@@ -29,6 +29,7 @@ HEADER_KEY = b"gyrotest.recording"
 METADATA_CRC_KEY = b"gyrotest.crc32"
 SEGMENT_KEY = b"gyrotest.segment"
 GAPS_KEY = b"gyrotest.gaps"
+CONTENT_KEY = b"content.gyrotest"
 
 BATCH_ROW = b"row"
 BATCH_UTC = b"utc"

@@ -9,9 +9,11 @@ import numpy as np
 
 from gyrotest.errors import RecordingError
 from gyrotest.recordings.batches import rows_of_columns, said
+from gyrotest.recordings.content import Content, rows_in_json
 from gyrotest.recordings.journal import Rows
 from gyrotest.recordings.layout import (
     BATCH_ROWS,
+    CONTENT_KEY,
     GAPS_KEY,
     columns_of,
     gaps_from_json,
@@ -41,24 +43,32 @@ def read_facts(path: Path) -> Facts:
             metadata = file.schema_arrow.metadata
             header = header_from_metadata(metadata)
             gaps = gaps_from_json(metadata.get(GAPS_KEY, b"[]"))
-        except (RecordingError, ValueError) as error:
+            rows = rows_in_json((file.metadata.metadata or {}).get(CONTENT_KEY, b"{}"))
+        except (RecordingError, ValueError, KeyError) as error:
             raise RecordingError(f"{path}: {said(error)}") from error
-        return Facts(header=header, rows=file.metadata.num_rows, gaps=gaps)
+        if rows != file.metadata.num_rows:
+            raise RecordingError(f"{path}: damaged: of {rows} rows {file.metadata.num_rows} are there")
+        return Facts(header=header, rows=rows, gaps=gaps)
 
 
 def iterate(path: Path) -> Iterator[Rows]:
-    """The rows of a Parquet recording, page checksums verified; raises `RecordingError`."""
+    """The rows of a Parquet recording, every checksum verified; raises `RecordingError`.
+
+    That of the whole content is known when the last row was given.
+    """
     import pyarrow as pa
 
-    row = 0
+    content = Content()
     with _open(path) as file:
         try:
-            for batch in file.iter_batches(batch_size=BATCH_ROWS, use_threads=False):
-                rows = rows_of_columns(columns_of(batch))
-                row += len(rows)
-                yield rows
+            batches = file.iter_batches(batch_size=BATCH_ROWS, use_threads=False)
+            yield from content.watch(rows_of_columns(columns_of(batch)) for batch in batches)
         except (pa.ArrowException, OSError, ValueError, RecordingError) as error:
-            raise RecordingError(f"{path}: damaged after row {row}: {said(error)}") from error
+            raise RecordingError(f"{path}: damaged after row {content.rows}: {said(error)}") from error
+        if (file.metadata.metadata or {}).get(CONTENT_KEY) != content.to_json():
+            raise RecordingError(
+                f"{path}: damaged: its {content.rows} rows are not those that were written"
+            )
 
 
 def write(path: Path, header: RecordingHeader, gaps: Iterable[Gap], parts: Iterable[Rows]) -> None:
@@ -82,9 +92,11 @@ def write(path: Path, header: RecordingHeader, gaps: Iterable[Gap], parts: Itera
             write_page_checksum=True,
         ) as writer,
     ):
-        for group in _grouped(parts):
+        content = Content()
+        for group in _grouped(content.watch(parts)):
             columns = [group.index, group.time_s, *np.ascontiguousarray(group.values.T), group.flags]
             writer.write_table(pa.table([pa.array(one) for one in columns], schema=schema))
+        writer.add_key_value_metadata({CONTENT_KEY: content.to_json()})
 
 
 def _grouped(parts: Iterable[Rows]) -> Iterator[Rows]:

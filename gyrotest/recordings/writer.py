@@ -172,7 +172,9 @@ class RecordingWriter:
     def _converted(self) -> bool:
         """Whether the segments became Parquet; if not they stay, for nothing measured is lost."""
         try:
-            segments_to_parquet(self._folder, self._target, self._header, tuple(self._tally.gaps))
+            segments_to_parquet(
+                self._folder, self._target, self._header, self._tally.gaps, rows=self._journal.rows
+            )
         except (OSError, RecordingError) as error:
             _log.warning(
                 "%s: stays as it was recorded, for it cannot become Parquet: %s", self._folder, error

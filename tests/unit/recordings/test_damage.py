@@ -175,15 +175,40 @@ def test_a_missing_segment_is_noticed(tmp_path, header, block, ticking):
 
 
 def test_a_flipped_byte_in_parquet_is_found(tmp_path, header, block):
-    with RecordingWriter(tmp_path, header) as writer:
-        writer.push(block(0, 100))
-        recording = writer.close(complete=True)
-    path = tmp_path / recording.path
-    whole = path.read_bytes()
+    path, whole = parquet_recording(tmp_path, header, block)
     path.write_bytes(whole[:400] + bytes([whole[400] ^ 16]) + whole[401:])
     with pytest.raises(RecordingError, match="damaged"):
         read_samples(path)
     assert verify_folder(tmp_path)[0].state is State.DAMAGED
+
+
+def test_no_flipped_bit_in_parquet_changes_what_is_read(tmp_path, header, block):
+    path, whole = parquet_recording(tmp_path, header, block)
+    expected = block(0, 100)
+    chance = random.Random(2)
+    noticed = 0
+    for _ in range(300):
+        at, bit = chance.randrange(len(whole)), chance.randrange(8)
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ (1 << bit)]) + whole[at + 1 :])
+        try:
+            samples = read_samples(path, own_time=True)
+        except RecordingError:
+            noticed += 1
+            continue
+        assert np.array_equal(samples.values, expected.values)
+        assert np.array_equal(samples.time_s, expected.time_s)
+        assert np.array_equal(samples.flags, expected.flags)
+        assert samples.index is None
+    assert noticed > 150
+
+
+def parquet_recording(folder, header, block):
+    """The path of a complete recording of 100 samples, and its bytes."""
+    with RecordingWriter(folder, header) as writer:
+        writer.push(block(0, 100))
+        recording = writer.close(complete=True)
+    path = folder / recording.path
+    return path, path.read_bytes()
 
 
 def test_another_programs_parquet_is_no_recording(tmp_path):
