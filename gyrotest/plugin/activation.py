@@ -144,7 +144,9 @@ def _serial_numbers(given: str | None, *, observes_only: bool) -> tuple[str, ...
         return found
     if given is None and observes_only:
         return (PLACEHOLDER,)
-    raise RefusedError("--gyro-spec needs the serial number of the unit under test: add --serial SN")
+    raise RefusedError(
+        "--gyro-spec needs the serial number of the unit under test: add --serial SN (or --gyro-serial SN)"
+    )
 
 
 def _meta(given: list[str]) -> dict[str, str]:

@@ -80,11 +80,14 @@ class Completion:
         whole = _WHOLE.get(int(exitstatus), "")
         try:
             record, path = run.certify(whole=whole)
+            self._certificates.append((record, path))
+            session.config.hook.pytest_gyro_certified(
+                config=session.config, record=record, certificate=path
+            )
         except GyrotestError as error:
-            self._faults.append(f"no certificate for {run.header.serial_number}: {error}")
-            return
-        self._certificates.append((record, path))
-        session.config.hook.pytest_gyro_certified(config=session.config, record=record, certificate=path)
+            self._faults.append(f"{run.header.serial_number}: no certificate: {error}")
+        except Exception as error:  # noqa: BLE001 — whatever a writer or a hook raises, the others are written
+            self._faults.append(f"{run.header.serial_number}: {type(error).__name__}: {error}")
 
     def _explain_missing(self, run: UnitRun, session: pytest.Session) -> None:
         stopped = session.shouldfail or session.shouldstop

@@ -2,19 +2,19 @@
 
 import json
 import os
-import signal
 import subprocess
 import sys
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 SPEC = """
 model: SHORT50
 description: A short test of an analogue gyro
-serial_pattern: '[0-9]{4,8}'
+serial_pattern: '[0-9]{{4,8}}'
 output:
   kind: voltage
   scale_factor: 50 mV/(deg/s)
@@ -73,12 +73,20 @@ class Project:
         return path
 
     def pytest(
-        self, *arguments: str, spec: str | None = "short.yaml", serial: str | None = "1234"
+        self,
+        *arguments: str,
+        spec: str | None = "short.yaml",
+        serial: str | None = "1234",
+        environment: Mapping[str, str] = MappingProxyType({}),
     ) -> Ended:
-        return _ended(self.start(*arguments, spec=spec, serial=serial))
+        return _ended(self.start(*arguments, spec=spec, serial=serial, environment=environment))
 
     def start(
-        self, *arguments: str, spec: str | None = "short.yaml", serial: str | None = "1234"
+        self,
+        *arguments: str,
+        spec: str | None = "short.yaml",
+        serial: str | None = "1234",
+        environment: Mapping[str, str] = MappingProxyType({}),
     ) -> subprocess.Popen[str]:
         command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *arguments]
         if "--lf" in arguments or "--cache" in arguments:
@@ -87,7 +95,7 @@ class Project:
             command += ["--gyro-spec", spec]
         if serial is not None:
             command += ["--serial", serial]
-        return self._popen(command)
+        return self._popen(command, environment)
 
     def gyrotest(self, *arguments: str) -> Ended:
         return _ended(self._popen([sys.executable, "-m", "gyrotest", *arguments]))
@@ -95,13 +103,12 @@ class Project:
     def python(self, code: str) -> Ended:
         return _ended(self._popen([sys.executable, "-c", textwrap.dedent(code)]))
 
-    def _popen(self, command: Sequence[str]) -> subprocess.Popen[str]:
-        environment = {
-            key: value
-            for key, value in os.environ.items()
-            if not key.startswith(("PYTEST_", "GYRO_", "COV_"))
-        }
-        environment["PYTHONIOENCODING"] = "utf-8"
+    def _popen(
+        self, command: Sequence[str], more: Mapping[str, str] = MappingProxyType({})
+    ) -> subprocess.Popen[str]:
+        foreign = ("PYTEST_", "GYRO_", "COV_")
+        environment = {key: value for key, value in os.environ.items() if not key.startswith(foreign)}
+        environment |= {"PYTHONIOENCODING": "utf-8", **more}
         return subprocess.Popen(  # the tests' own command lines
             command,
             cwd=self.path,
@@ -128,8 +135,3 @@ class Project:
 def _ended(process: subprocess.Popen[str]) -> Ended:
     out, _ = process.communicate(timeout=120)
     return Ended(process.returncode, out)
-
-
-def end_with(process: subprocess.Popen[str], number: signal.Signals) -> Ended:
-    process.send_signal(number)
-    return _ended(process)

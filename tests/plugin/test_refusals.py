@@ -69,7 +69,9 @@ def test_a_faulty_spec_names_file_line_and_key(
     assert found in text
     faulty = text.replace(found, written, 1)
     project.write("specs/short.yaml", faulty)
-    line = next(n for n, one in enumerate(faulty.splitlines(), 1) if written.split("\n", maxsplit=1)[0] in one)
+    line = next(
+        n for n, one in enumerate(faulty.splitlines(), 1) if written.split("\n", maxsplit=1)[0] in one
+    )
     _refused(project.pytest(), f"short.yaml:{line}:", named)
 
 
@@ -178,14 +180,20 @@ def test_without_pango_the_run_is_refused_before_it_starts(project: Project) -> 
     project.write(
         "conftest.py",
         """
-        import ctypes.util
-        ctypes.util.find_library = lambda name: None
-        import sys
+        import ctypes, sys
+
         class NoPango:
             def find_spec(self, name, path=None, target=None):
                 if name == "weasyprint":
                     raise OSError("cannot load library 'libpango-1.0-0'")
+
+        def load(name, *arguments, loader=ctypes.CDLL):
+            if name and "pango" in str(name):
+                raise OSError(f"cannot load library {name!r}")
+            return loader(name, *arguments)
+
         sys.meta_path.insert(0, NoPango())
+        ctypes.CDLL = load
         """,
     )
     _refused(project.pytest(), "Pango")

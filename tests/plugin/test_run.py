@@ -43,7 +43,7 @@ def test_a_failing_unit_fails_naming_the_values(project: Project) -> None:
     ended = project.pytest()
     assert ended.code == 1
     assert project.record()["verdict"] == "FAIL"
-    assert re.search(r"bias = \S+ °/s .*limit .*1\.9 °/s", ended.out)
+    assert re.search(r"bias = \S+ ± \S+ °/s, limit −2 … −1\.9 °/s", ended.out)
     assert "Traceback" not in ended
     assert "_FAIL.pdf" in ended.out.replace("\n", "")
 
