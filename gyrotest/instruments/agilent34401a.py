@@ -25,6 +25,7 @@ from gyrotest.instruments.voltage import (
     too_short,
 )
 from gyrotest.ports import Clock
+from gyrotest.records.described import Described
 from gyrotest.records.recording import Block, Identity, Sampling
 from gyrotest.records.station import Accuracy
 from gyrotest.units import Dimension, OfDimension, Quantity
@@ -52,15 +53,24 @@ class Agilent34401ASettings:
 
     __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
 
-    range: Annotated[Quantity, OfDimension(Dimension.VOLTAGE)] = RANGE_10_V
-    nplc: float = 10.0
-    autozero: bool = True
-    high_impedance: bool = True
-    baud_rate: int = 9600
-    data_bits: int = 8
-    parity: Parity = Parity.NONE
-    stop_bits: int = 1
-    flow_control: FlowControl = FlowControl.NONE
+    range: Annotated[
+        Quantity, OfDimension(Dimension.VOLTAGE), Described("Measuring range; never automatic.", "10 V")
+    ] = RANGE_10_V
+    nplc: Annotated[float, Described("Integration time of a reading in power-line cycles.", "10")] = 10.0
+    autozero: Annotated[
+        bool,
+        Described("Measure the zero after each reading: half as fast, no drift over hours.", "true"),
+    ] = True
+    high_impedance: Annotated[
+        bool, Described("More than 10 GOhm input resistance up to 10 V, else 10 MOhm.", "true")
+    ] = True
+    baud_rate: Annotated[int, Described("RS-232: bits per second.", "9600")] = 9600
+    data_bits: Annotated[int, Described("RS-232: 7 or 8 bits.", "8")] = 8
+    parity: Annotated[Parity, Described("RS-232: parity bit.", "none")] = Parity.NONE
+    stop_bits: Annotated[int, Described("RS-232: 1 or 2 stop bits.", "2")] = 1
+    flow_control: Annotated[
+        FlowControl, Described("RS-232: handshake; the meter's own is `dtr_dsr`.", "dtr_dsr")
+    ] = FlowControl.NONE
 
     def __post_init__(self) -> None:
         check_range(self.range)
@@ -165,6 +175,10 @@ class Agilent34401A:
         self._session.bring_back()
         self._apply()
         return self._laid_grid().position_to_go_on()
+
+    def query(self, command: str) -> str:
+        """Ask the meter anything, outside of an acquisition; raises `InstrumentError`."""
+        return self._session.talk.query(command, self._session.timeout_s)
 
     def close(self) -> None:
         """Display on, front panel back, disconnected; never raises."""

@@ -27,6 +27,7 @@ from gyrotest.instruments.voltage import (
     too_short,
 )
 from gyrotest.ports import Clock
+from gyrotest.records.described import Described
 from gyrotest.records.recording import Block, Identity, Sampling
 from gyrotest.records.station import Accuracy
 from gyrotest.units import Dimension, OfDimension, Quantity
@@ -54,10 +55,17 @@ class Keysight34465ASettings:
 
     __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
 
-    range: Annotated[Quantity, OfDimension(Dimension.VOLTAGE)] = RANGE_10_V
-    nplc: float = 10.0
-    autozero: bool = True
-    high_impedance: bool = True
+    range: Annotated[
+        Quantity, OfDimension(Dimension.VOLTAGE), Described("Measuring range; never automatic.", "10 V")
+    ] = RANGE_10_V
+    nplc: Annotated[float, Described("Integration time of a reading in power-line cycles.", "10")] = 10.0
+    autozero: Annotated[
+        bool,
+        Described("Measure the zero after each reading: half as fast, no drift over hours.", "true"),
+    ] = True
+    high_impedance: Annotated[
+        bool, Described("More than 10 GOhm input resistance up to 10 V, else 10 MOhm.", "true")
+    ] = True
 
     def __post_init__(self) -> None:
         check_range(self.range)
@@ -150,6 +158,10 @@ class Keysight34465A:
         self._session.bring_back()
         self._apply()
         return self._laid_grid().position_to_go_on()
+
+    def query(self, command: str) -> str:
+        """Ask the meter anything, outside of an acquisition; raises `InstrumentError`."""
+        return self._session.talk.query(command, self._session.timeout_s)
 
     def close(self) -> None:
         """Stopped, display on, disconnected; never raises."""

@@ -207,6 +207,16 @@ def test_the_meters_are_left_local_and_can_be_opened_again() -> None:
                 assert source.open().simulated
 
 
+@pytest.mark.parametrize("driver", ["agilent34401a", "keysight34465a"])
+def test_a_user_can_ask_the_meter_anything(driver: str) -> None:
+    with (
+        bench(driver, "tcp") as served,
+        closing(source_of(driver, served.addresses["meter"], served)) as source,
+    ):
+        source.open()
+        assert source.query("*IDN?").split(",")[1].lower() in driver
+
+
 def test_two_instruments_share_one_adapter() -> None:
     clock = VirtualClock()
     meters = {
