@@ -28,7 +28,7 @@ _PRUDENCE = 0.25
 _PER_DECADE = 5
 _POINTS_PER_DECADE = 300
 _FEWEST_TIMES = 8
-_MISFIT = 0.9999
+_MISFIT = 0.995
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -204,15 +204,24 @@ def _problem(
 
 
 def _consistent_fit(problem: _Problem) -> tuple[int, _Fit]:
-    """Leave out short averaging times, half a decade at a time, while they contradict the rest."""
-    first, fit = 0, _fit(problem)
+    """Leave out short averaging times while they contradict the longer ones.
+
+    They do where chi-square falls by more than chance when half a decade, or a whole one, goes.
+    """
     step = _PER_DECADE // 2
-    while problem.factors.size - first - step >= _FEWEST_TIMES:
-        shorter = _fit(problem.since(first + step))
-        if fit.chi_square - shorter.chi_square <= chi_square_quantile(_MISFIT, step):
-            break
-        first, fit = first + step, shorter
-    return first, fit
+    last = max(problem.factors.size - _FEWEST_TIMES, 0)
+    fits = {first: _fit(problem.since(first)) for first in range(0, last + 1, step)}
+    first = 0
+    while any(_contradicts(fits, first, first + reach) for reach in (step, 2 * step)):
+        first += step
+    return first, fits[first]
+
+
+def _contradicts(fits: dict[int, _Fit], first: int, later: int) -> bool:
+    if later not in fits:
+        return False
+    fall = fits[first].chi_square - fits[later].chi_square
+    return fall > chi_square_quantile(_MISFIT, later - first)
 
 
 def _fit(problem: _Problem) -> _Fit:

@@ -74,15 +74,20 @@ def stability_result(
     context: Context,
 ) -> Result:
     """Return the standard deviation of the averages over one smoothing time."""
+    name, label = stability_name(smoothing), f"Bias stability, {smoothing} averages"
     rate = record.rate_dps if parameters.start is None else record.since(parameters.start.to("s"))
-    found = smoothed_deviation(
-        rate, samples_per_average=round(smoothing.to("s") / record.interval_s), model=model
-    )
+    size = round(smoothing.to("s") / record.interval_s)
+    if rate.size < 2 * size:
+        reason = (
+            f"the {rate.size * record.interval_s:g} s that count hold no two averages of {smoothing}"
+        )
+        return not_evaluated(name, label, "deg/h", reason)
+    found = smoothed_deviation(rate, samples_per_average=size, model=model)
     spread = Spread(value=found.deviation_dps, lower=found.lower_95_dps, upper=found.upper_95_dps)
     return spread_result(
         spread.times(DPH),
-        name=stability_name(smoothing),
-        label=f"Bias stability, {smoothing} averages",
+        name=name,
+        label=label,
         unit="deg/h",
         condition=_joined(
             f"{found.averages} averages, {found.edf:.3g} degrees of freedom",

@@ -1,0 +1,235 @@
+"""The static procedure's results: values, budget, dead time, truth recovered."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from gyrotest.analysis.earth import EARTH_RATE_DPS
+from gyrotest.conformity import judge
+from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.static import Static, StaticParameters
+from gyrotest.records.result import Result, Verdict
+from gyrotest.records.spec import Between, Limit, Output, OutputKind
+from gyrotest.units import Quantity
+from tests.unit.analysis.generator import DPH, gyro_noise
+from tests.unit.procedures.bench import (
+    by_name,
+    meter_sampling,
+    rates,
+    samples_of,
+    static_case,
+    static_context,
+    voltage_output,
+    voltages,
+)
+
+EARTH_DPS = EARTH_RATE_DPS * math.sin(math.radians(48.0))
+
+
+def reduced(rate: np.ndarray, **changes: object) -> dict[str, Result]:
+    return by_name(Static().reduce(voltages(rate), static_context(**changes)).results)
+
+
+def test_every_measurand_of_one_acquisition_has_a_result_in_its_unit() -> None:
+    context = static_context()
+    found = reduced(rates())
+    for measurand in Static().measurands(context.case, context.parameters):
+        if measurand.over is None:
+            assert found[measurand.name].unit == measurand.unit
+            assert found[measurand.name].label == measurand.label
+    assert len(found) == 8
+
+
+def test_the_bias_is_the_mean_less_the_earths_share() -> None:
+    rate = rates()
+    bias = reduced(rate)["bias"]
+    assert bias.value == pytest.approx(rate.mean() - EARTH_DPS)
+    assert "subtracted" in bias.condition
+
+
+def test_an_unknown_mounting_leaves_the_earths_rate_in_the_uncertainty() -> None:
+    rate = rates()
+    bias = reduced(rate, case=static_case(mounting=None))["bias"]
+    assert bias.value == pytest.approx(rate.mean())
+    assert "Earth's rate not subtracted" in bias.condition
+    earth = [one for one in bias.budget if "Earth" in one.source]
+    assert earth[0].standard_uncertainty * 3600.0 == pytest.approx(15.041 / math.sqrt(3.0))
+
+
+def test_the_budget_is_complete_and_adds_up() -> None:
+    bias = reduced(rates())["bias"]
+    by_source = {one.source.split(",")[0]: one.standard_uncertainty for one in bias.budget}
+    assert len(bias.budget) == 4
+    volts = 2.5 + 0.05 * 0.2
+    reading = next(one for one in bias.budget if "of reading" in one.source)
+    assert reading.standard_uncertainty == pytest.approx(35e-6 * volts / 0.05 / math.sqrt(3), rel=1e-2)
+    assert by_source["scale factor"] == pytest.approx(0.005 * 0.2 / math.sqrt(3), rel=0.1)
+    combined = math.sqrt(sum(one.standard_uncertainty**2 for one in bias.budget))
+    assert bias.expanded_uncertainty == pytest.approx((bias.coverage_factor or 0.0) * combined)
+    assert (bias.coverage_factor or 0.0) > 2.0
+    assert bias.not_included == ()
+
+
+def test_what_is_not_known_is_not_included() -> None:
+    found = reduced(rates(), accuracy=None, output=voltage_output(scale_factor_uncertainty=None))
+    assert found["bias"].not_included == ("accuracy of the meter", "uncertainty of the scale factor")
+    assert found["allan_minimum"].not_included == found["bias"].not_included
+
+
+def test_an_inverted_gyro_has_the_same_figures_and_positive_spreads() -> None:
+    rate = rates()
+    upright = reduced(rate)
+    output = voltage_output(scale_factor=Quantity(-50.0, "mV/(deg/s)"))
+    samples = voltages(rate, scale_factor=-0.05)
+    inverted = by_name(Static().reduce(samples, static_context(output=output)).results)
+    for name, result in upright.items():
+        assert inverted[name].value == pytest.approx(result.value, rel=1e-6)
+        if result.upper_95 is not None:
+            assert inverted[name].upper_95 == pytest.approx(result.upper_95, rel=1e-6)
+            assert (inverted[name].value or 0.0) > 0.0
+
+
+def test_a_rate_output_needs_no_scale_factor_and_may_have_one() -> None:
+    rate = rates()
+    sampling = meter_sampling(unit="deg/h", noise=None)
+    for factor in (None, Quantity(2.0, "")):
+        output = Output(kind=OutputKind.RATE, scale_factor=factor)
+        samples = samples_of(rate * 3600.0 * (2.0 if factor else 1.0), sampling=sampling)
+        found = Static().reduce(samples, static_context(output=output, accuracy=None))
+        bias = by_name(found.results)["bias"]
+        assert bias.value == pytest.approx(rate.mean() - EARTH_DPS)
+        assert bias.not_included == ("uncertainty of the scale factor",)
+
+
+def test_smoothing_counts_from_its_start_and_the_window_bounds_all() -> None:
+    rate = rates()
+    parameters = StaticParameters(
+        smoothing=(Quantity(10.0, "s"),),
+        start=Quantity(20.0, "min"),
+        window=(Quantity(10.0, "min"), Quantity(50.0, "min")),
+    )
+    found = reduced(rate, parameters=parameters)
+    assert found["bias"].value == pytest.approx(rate[600:3000].mean() - EARTH_DPS)
+    averages = rate[1200:3000].reshape(-1, 10).mean(axis=1)
+    assert found["bias_stability_10s"].value == pytest.approx(np.std(averages, ddof=1) * 3600.0)
+
+
+def test_a_stability_that_the_record_is_too_short_for_is_not_evaluated() -> None:
+    found = reduced(rates(samples=100))
+    assert found["bias_stability_100s"].value is None
+    assert "no two averages of 100 s" in found["bias_stability_100s"].condition
+    assert found["bias_stability_10s"].value is not None
+
+
+def test_the_coefficient_is_the_minimum_over_0_664() -> None:
+    found = reduced(rates())
+    minimum, coefficient = found["allan_minimum"], found["bias_instability_coefficient"]
+    assert not minimum.at_most
+    assert coefficient.value == pytest.approx((minimum.value or 0.0) / 0.6643, rel=1e-4)
+    assert "τ =" in minimum.condition
+
+
+def test_a_floor_that_is_not_reached_is_an_upper_bound() -> None:
+    rate = gyro_noise(3600, angle_random_walk=30 * DPH, seed=4)
+    found = reduced(rate)["allan_minimum"]
+    assert found.at_most
+    assert "floor not reached" in found.condition
+    assert found.lower_95 == 0.0
+
+
+def dead_time_samples() -> object:
+    fine = gyro_noise(6 * 3600, interval_s=1 / 6, angle_random_walk=30 * DPH, seed=8)
+    values = 2.5 + 0.05 * fine.reshape(-1, 6)[:, 0]
+    return samples_of(values, sampling=meter_sampling(aperture_s=1 / 6))
+
+
+def test_dead_time_is_corrected_and_said() -> None:
+    found = by_name(Static().reduce(dead_time_samples(), static_context()).results)
+    corrected, apparent = found["angle_random_walk"], found["angle_random_walk_apparent"]
+    assert apparent.value == pytest.approx(0.5 * math.sqrt(6.0), rel=0.05)
+    assert corrected.value == pytest.approx(0.5, rel=0.05)
+    assert "corrected for dead time" in corrected.condition
+    for name in ("angle_random_walk_apparent", "bias_stability_10s", "allan_minimum"):
+        assert "duty 0.167" in found[name].condition
+
+
+@pytest.mark.parametrize("bandwidth", [None, Quantity(2.0, "Hz")])
+def test_dead_time_that_cannot_be_corrected_never_passes(bandwidth: Quantity | None) -> None:
+    context = static_context(output=voltage_output(bandwidth=bandwidth))
+    found = by_name(Static().reduce(dead_time_samples(), context).results)
+    corrected = found["angle_random_walk"]
+    assert corrected.value is None
+    measurand = next(
+        one
+        for one in Static().measurands(context.case, context.parameters)
+        if one.name == "angle_random_walk"
+    )
+    limit = Limit(max=Quantity(1e3, "deg/sqrt(h)"))
+    judged = judge(measurand, corrected, limit, case="static", repeat=1)
+    assert judged.verdict is Verdict.INCOMPLETE
+    assert "bandwidth must exceed 3 Hz" in judged.reason
+
+
+def test_truth_is_recovered_as_the_uncertainties_say() -> None:
+    """Every unit with its own bias, scale factor, meter errors, warm-up drift and noise."""
+    bias_z, walk_z = [], []
+    for seed in range(40):
+        random = np.random.default_rng(seed)
+        bias, drift = 0.15 * random.standard_normal(), 0.05 * np.exp(-(600.5 + np.arange(3600)) / 240.0)
+        rate = rates(seed) - 0.2 + bias + drift + EARTH_DPS
+        scale = 0.05 * (1.0 + random.uniform(-0.005, 0.005))
+        volts = 2.5 + scale * rate
+        volts += 35e-6 * random.uniform(-1, 1) * 2.5 + 50e-6 * random.uniform(-1, 1)
+        found = by_name(Static().reduce(samples_of(volts), static_context()).results)
+        measured = found["bias"]
+        u = (measured.expanded_uncertainty or 0.0) / (measured.coverage_factor or 1.0)
+        bias_z.append(((measured.value or 0.0) - bias - drift.mean()) / u)
+        walk = found["angle_random_walk"]
+        u = ((walk.upper_95 or 0.0) - (walk.lower_95 or 0.0)) / (2 * 1.96)
+        walk_z.append(((walk.value or 0.0) - 0.5) / u)
+    for z in (bias_z, walk_z):
+        assert abs(np.mean(z)) <= 0.55
+        assert 0.65 <= np.std(z, ddof=1) <= 1.4
+
+
+def repeats_of(values: list[float | None]) -> tuple[tuple[Result, ...], ...]:
+    return tuple((Result(name="bias", label="Bias", value=value, unit="deg/s"),) for value in values)
+
+
+def test_the_sources_worked_example_of_bias_repeatability() -> None:
+    values = [0.18789, 0.17844, 0.16965, 0.18459, 0.19401]
+    context = static_context(case=static_case(repeats=5, between_repeats=Between.POWER_CYCLE))
+    (found,) = Static().reduce_repeats(repeats_of(list(values)), context).results
+    assert found.name == "bias_repeatability"
+    assert (found.value or 0.0) / 3600.0 == pytest.approx(0.00930915, abs=5e-9)
+
+
+def test_repeats_without_a_power_cycle_are_run_to_run_with_a_wide_interval() -> None:
+    (found,) = Static().reduce_repeats(repeats_of([0.1, 0.11, 0.12]), static_context()).results
+    assert found.name == "bias_run_to_run"
+    assert found.value == pytest.approx(36.0)
+    assert found.lower_95 == pytest.approx(0.52 * 36.0, rel=0.01)
+    assert found.upper_95 == pytest.approx(6.28 * 36.0, rel=0.01)
+
+
+@pytest.mark.parametrize("values", [[0.1], [0.1, None, 0.2], [0.1, math.nan]])
+def test_a_spread_over_missing_repeats_is_refused(values: list[float | None]) -> None:
+    with pytest.raises(InsufficientDataError, match="repeats have a bias"):
+        Static().reduce_repeats(repeats_of(values), static_context())
+
+
+def test_a_later_record_is_less_certain_of_the_turn_on_bias() -> None:
+    rate = gyro_noise(3600, angle_random_walk=30 * DPH, rate_random_walk=3 * DPH, seed=3)
+    early = reduced(rate, since_power_on_s=0.0)["bias"]
+    late = reduced(rate, since_power_on_s=7200.0)["bias"]
+    assert (late.expanded_uncertainty or 0.0) > (early.expanded_uncertainty or 0.0)
+
+
+def test_samples_are_not_changed() -> None:
+    samples = voltages(rates())
+    before = samples.values.copy()
+    samples.values.setflags(write=False)
+    Static().reduce(dataclasses.replace(samples), static_context())
+    np.testing.assert_array_equal(samples.values, before)
