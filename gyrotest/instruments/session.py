@@ -38,11 +38,6 @@ class Session:
         self.open_timeout_s = _OPEN_TIMEOUT_S if io_timeout_s is None else io_timeout_s
 
     @property
-    def is_open(self) -> bool:
-        """Whether there is a connection."""
-        return self._talk is not None
-
-    @property
     def talk(self) -> Conversation:
         """The conversation; raises `InstrumentError` where the instrument is not open."""
         if self._talk is None:

@@ -149,7 +149,7 @@ def test_a_missing_reply_is_a_time_out_that_is_bridged(way: str) -> None:
     with (
         bench("agilent34401a", way, "meter-timeout") as served,
         closing(
-            source_of("agilent34401a", served.addresses["meter"], served, io_timeout_s=0.3)
+            source_of("agilent34401a", served.addresses["meter"], served, io_timeout_s=0.5)
         ) as source,
     ):
         positions, _, _, _ = acquired(source)
