@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from gyrotest.specification.parameters import case_parameters
+from gyrotest.specification.spec import case_parameters
 from tests.unit.procedures.bench import rates, static_case, static_context, voltages
 
 
