@@ -56,7 +56,7 @@ class Replay:
         self._runs: Iterator[Placed] = iter(())
         self._first = self._count = 0
         self._origin: tuple[int, float] | None = None
-        self._played = 0
+        self._played = self._given = self._flagged = 0
         self._again = False
 
     def open(self) -> Identity:
@@ -100,6 +100,7 @@ class Replay:
             self._again = self._settings.rewind and self._played > 0
             self._played = 0 if self._settings.rewind else self._played
             self._origin = None
+            self._given = self._flagged = 0
         self._first, self._count = first, count
         self._averages = Averages(self._size)
         self._runs = (
@@ -127,11 +128,12 @@ class Replay:
         return self._first
 
     def remarks(self) -> tuple[str, ...]:
-        """Tell what is to be known of the file and of what was read of it so far."""
+        """Tell which stretch of the file the acquisition got, and what is to be known of the file."""
         file = self._opened_file()
-        found = [
-            f"{file.rows} rows read, {file.not_numbers} missing or not a number, {file.infinite} infinite"
-        ]
+        begin = 0 if self._origin is None else self._origin[0] * self._size
+        found = [f"{self._given} samples from positions {begin + 1} to {self._played} of the window"]
+        if self._flagged:
+            found.append(f"{self._flagged} samples are missing, infinite or not a number")
         if file.stamps is not None:
             found += described(file.stamps)
         if self._size > 1:
@@ -150,6 +152,8 @@ class Replay:
         self._played = (int(samples.place[-1]) + 1) * self._size
         first = int(samples.place[0]) - origin[0]
         self._first = first + len(samples)
+        self._given += len(samples)
+        self._flagged += int(np.count_nonzero(samples.flags))
         return Block(
             first=first,
             time_s=samples.time_s - origin[1],

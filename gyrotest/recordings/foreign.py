@@ -58,15 +58,13 @@ class ForeignFile:
         factor: float,
         time_factor_s: float,
     ) -> None:
-        self.rows = self.not_numbers = self.infinite = 0
         self._path, self._selection, self._window = path, selection, window
         self._factor, self._time_factor_s = factor, time_factor_s
         self.stamps = None if selection.time_column is None else self._surveyed(interval_s)
         self.interval_s = self._known_interval(interval_s)
 
     def samples(self) -> Iterator[Placed]:
-        """Yield the window's samples; their counts are in `rows`, `not_numbers` and `infinite` then."""
-        self.rows = self.not_numbers = self.infinite = 0
+        """Yield the window's samples; the first one has place 0."""
         grid = Grid(self.stamps) if self.stamps else None
         begin: int | None = None
         for part in self._parts():
@@ -86,9 +84,6 @@ class ForeignFile:
             np.uint8
         )
         flags[np.isinf(values)] = SampleFlag.OVERLOAD.value
-        self.rows += int(values.size)
-        self.not_numbers += int(np.count_nonzero(flags == SampleFlag.NOT_A_NUMBER.value))
-        self.infinite += int(np.count_nonzero(flags == SampleFlag.OVERLOAD.value))
         return Placed(place=place, time_s=time_s, values=values * self._factor, flags=flags)
 
     def _parts(self) -> Iterator[Part]:

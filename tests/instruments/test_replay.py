@@ -139,6 +139,7 @@ def test_an_acquisition_goes_on_where_the_last_one_ended(ramp):
     assert second[0].first == 0
     assert second[0].time_s[0] == 0.0
     assert values(second) == [40.5 + 2 * row for row in range(20)]
+    assert source.remarks()[0] == "data.txt: 20 samples from positions 41 to 80 of the window"
     source.configure(0.1)
     assert len(values(played(source, 40))) == 20
     assert values(played(source, 40)) == []
@@ -211,7 +212,10 @@ def test_what_is_missing_is_flagged_and_counted(tmp_path):
     source.configure(0.1)
     (block,) = played(source)
     assert block.flags.tolist() == [0, SampleFlag.NOT_A_NUMBER, 0, SampleFlag.OVERLOAD]
-    assert source.remarks() == ("data.txt: 4 rows read, 1 missing or not a number, 1 infinite",)
+    assert source.remarks() == (
+        "data.txt: 4 samples from positions 1 to 4 of the window",
+        "data.txt: 2 samples are missing, infinite or not a number",
+    )
 
 
 @pytest.mark.parametrize(
