@@ -205,8 +205,8 @@ def _line(one: Contribution) -> BudgetLine:
         source=one.source,
         kind=one.kind,
         distribution=one.distribution,
-        half_width=one.half_width,
-        sensitivity=one.sensitivity,
+        half_width=one.half_width or "–",
+        sensitivity=one.sensitivity or "–",
         degrees_of_freedom="∞" if freedom is None else plain(freedom, digits=3),
         standard_uncertainty=significant(one.standard_uncertainty, digits=2),
     )

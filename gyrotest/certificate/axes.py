@@ -13,6 +13,8 @@ from gyrotest.records.figure import Scale
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
 _MARGIN = 0.05
+_NEARLY = 0.015
+_DECADES = 15  # as far down as a logarithmic axis is drawn
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,11 +41,15 @@ class Axis:
     def place(self, values: ArrayLike) -> NDArray[np.float64]:
         """Return where values lie; what a logarithmic axis cannot show lies at its low end."""
         given = np.asarray(values, dtype=np.float64)
+        return self.run(given if self.scale is Scale.LINEAR else np.maximum(given, self.low))
+
+    def run(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Return where values lie, also beyond the axis's ends."""
+        given = np.asarray(values, dtype=np.float64)
         if self.scale is Scale.LINEAR:
             fraction = (given - self.low) / (self.high - self.low)
         else:
-            held = np.maximum(given, self.low)
-            fraction = np.log(held / self.low) / math.log(self.high / self.low)
+            fraction = np.log(given / self.low) / math.log(self.high / self.low)
         return np.asarray(self.begin + fraction * (self.end - self.begin))
 
 
@@ -57,6 +63,8 @@ def axis(values: Iterable[float], scale: Scale, *, begin: float, end: float, tig
         return Axis(scale=scale, low=low, high=high, begin=begin, end=end, ticks=ticks, minor=minor)
     low, high = _linear_range(numbers, tight=tight)
     step = _step(high - low, length / (42 if begin < end else 15))
+    if tight:
+        low, high = _to_ticks(low, high, step)
     exponent = _common_exponent(low, high)
     ticks = _linear_ticks(low, high, step, exponent)
     return Axis(scale=scale, low=low, high=high, begin=begin, end=end, ticks=ticks, exponent=exponent)
@@ -77,8 +85,16 @@ def _linear_range(numbers: list[float], *, tight: bool) -> tuple[float, float]:
     return (0.0 if low == 0 else low - margin), high + margin
 
 
+def _to_ticks(low: float, high: float, step: float) -> tuple[float, float]:
+    """Let an axis that nearly reaches a tick end with it."""
+    first, last = math.floor(low / step) * step, math.ceil(high / step) * step
+    near = _NEARLY * (high - low)
+    return (first if low - first < near else low), (last if last - high < near else high)
+
+
 def _log_range(numbers: list[float]) -> tuple[float, float]:
     low, high = min(numbers, default=0.1), max(numbers, default=10.0)
+    low = max(low, high / 10**_DECADES)
     span = max(math.log10(high / low), 0.3)
     return low / 10 ** (0.03 * span), high * 10 ** (0.03 * span)
 

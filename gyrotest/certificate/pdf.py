@@ -75,19 +75,15 @@ def certificate_bytes(record: RunRecord, data: bytes | None = None) -> bytes:
 
     `data` is the record as JSON where it exists already, and is then attached as it is.
     """
-    weasyprint = _weasyprint()
     data = record_bytes(record) if data is None else data
     digest = record_sha256(data)
-    html = _html(record, digest)
-    content: bytes = _document(html).write_pdf(
-        pdf_variant="pdf/a-3u",
-        pdf_identifier=bytes.fromhex(digest[:32]),
-        attachments=[
-            _attachment(weasyprint, RECORD_NAME, data, "Source", record),
-            _attachment(weasyprint, RESULTS_NAME, results_csv(record).encode(), "Data", record),
-        ],
+    attachments = (
+        _attachment(RECORD_NAME, data, "Source", record),
+        _attachment(RESULTS_NAME, results_csv(record).encode(), "Data", record),
     )
-    return content
+    return _typeset(
+        _html(record, digest), identifier=bytes.fromhex(digest[:32]), attachments=attachments
+    )
 
 
 def _settle(aside: Path, folder: Path, name: str) -> Path:
@@ -133,20 +129,30 @@ def _template(name: str) -> str:
     return (resources.files("gyrotest.certificate") / "templates" / name).read_text(encoding="utf-8")
 
 
-def _document(html: str) -> Any:
-    """Lay out a page that may load nothing from outside."""
+def _typeset(html: str, *, identifier: bytes, attachments: tuple[Any, ...] = ()) -> bytes:
+    """Make a PDF of a page that may load nothing from outside."""
     weasyprint = _weasyprint()
     from weasyprint.text.fonts import FontConfiguration
     from weasyprint.urls import FatalURLFetchingError, URLFetcher
 
     fetcher = URLFetcher(allowed_protocols=["data"], fail_on_errors=True)
     fonts = FontConfiguration()
+    faces = weasyprint.CSS(string=_FACES, font_config=fonts, url_fetcher=_bundled_font)
+    page = weasyprint.HTML(string=html, url_fetcher=fetcher, base_url="https://certificate.invalid/")
     try:
-        faces = weasyprint.CSS(string=_FACES, font_config=fonts, url_fetcher=_bundled_font)
-        page = weasyprint.HTML(string=html, url_fetcher=fetcher, base_url=None)
-        return page.render(stylesheets=[faces], font_config=fonts)
+        with warnings.catch_warnings():
+            # It leaves the file of its colour profile for the interpreter to close.
+            warnings.simplefilter("ignore", ResourceWarning)
+            content: bytes = page.write_pdf(
+                stylesheets=[faces],
+                font_config=fonts,
+                pdf_variant="pdf/a-3u",
+                pdf_identifier=identifier,
+                attachments=list(attachments),
+            )
     except FatalURLFetchingError as error:
         raise CertificateError(f"the certificate refers to something outside itself: {error}") from error
+    return content
 
 
 def _bundled_font(url: str) -> Any:
@@ -158,8 +164,8 @@ def _bundled_font(url: str) -> Any:
     return URLFetcherResponse(url, content, {"Content-Type": "font/ttf"})
 
 
-def _attachment(library: Any, name: str, data: bytes, relationship: str, record: RunRecord) -> Any:
-    return library.Attachment(
+def _attachment(name: str, data: bytes, relationship: str, record: RunRecord) -> Any:
+    return _weasyprint().Attachment(
         string=data,
         name=name,
         relationship=relationship,

@@ -6,18 +6,20 @@ than all the rest of a certificate, and text stays text here, in the certificate
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from html import escape
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gyrotest.certificate.axes import Axis, axis, times_ten
-from gyrotest.certificate.labels import Box, Layout
+from gyrotest.certificate.labels import Box, Layout, dense
 from gyrotest.records.figure import Band, Bars, Curve, Figure, Panel, Role, Scale, Width
 
 _WIDTHS = {Width.FULL: 510.0, Width.HALF: 246.0}
 _LEFT, _RIGHT, _TOP = 46.0, 5.0, 4.0
-_PANEL, _LOG_FACTOR, _BETWEEN = 96.0, 1.85, 9.0
+_PANEL, _LOG_FACTOR, _BETWEEN = 96.0, 1.95, 9.0
+_FLOOR_SHOWN = 4.0  # of a noise floor far below the data, its highest part down to this factor is shown
 _TICK_LABELS, _AXIS_LABEL = 12.0, 13.0
 _FONT = 6.6
 _INK, _FAINT, _FRAME, _GRID, _MINOR = "#2b3440", "#5d6773", "#8a949e", "#d5dbe1", "#e9edf1"
@@ -32,6 +34,15 @@ _STYLES = {
     Role.FLOOR: ("#7d8791", "0.9", ""),
 }
 _BEHIND = (Role.FLOOR, Role.DATASHEET, Role.LIMIT)
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """A curve and where it lies on the paper."""
+
+    curve: Curve
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
 
 
 def svg(figure: Figure) -> str:
@@ -72,7 +83,11 @@ def _x_values(panel: Panel) -> Iterator[float]:
 
 def _y_values(panel: Panel) -> Iterator[float]:
     for curve in panel.curves:
-        yield from curve.y
+        if curve.role is not Role.FLOOR:
+            yield from curve.y
+        elif curve.y:
+            # A floor far below may leave the frame; it must not press the data together.
+            yield from (max(value, max(curve.y) / _FLOOR_SHOWN) for value in curve.y)
     for band in panel.bands:
         yield from band.lower
         yield from band.upper
@@ -90,18 +105,29 @@ def _panel(panel: Panel, x: Axis, frame: Box) -> Iterator[str]:
         yield _band(band, x, y)
     if panel.bars:
         yield _bars(panel.bars, x, y)
-    for curve in sorted(panel.curves, key=lambda one: one.role not in _BEHIND):
-        yield _curve(curve, x, y)
-        layout.avoid(x.place(curve.x), y.place(curve.y))
+    lines = [_Line(curve, *_placed(curve, x, y)) for curve in panel.curves if curve.x]
+    for line in sorted(lines, key=lambda one: one.curve.role not in _BEHIND):
+        yield _drawn(line)
+        layout.avoid(line.x, line.y)
     yield (
         f'<rect x="{frame.left:g}" y="{frame.top:.1f}" width="{frame.width:g}" height="{frame.height:.1f}" '
         f'fill="none" stroke="{_FRAME}" stroke-width="0.6"/>'
     )
-    yield from _texts(panel, x, y, layout)
+    yield from _texts(panel, lines, x, y, layout)
     yield from _y_labels(y, panel.y_label, frame)
 
 
-def _texts(panel: Panel, x: Axis, y: Axis, layout: Layout) -> Iterator[str]:
+def _placed(curve: Curve, x: Axis, y: Axis) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Place a curve on the paper; of a noise floor, what lies below the frame is cut off."""
+    if curve.role is not Role.FLOOR:
+        return x.place(curve.x), y.place(curve.y)
+    positive = [(one, value) for one, value in zip(curve.x, curve.y, strict=True) if value > 0]
+    points = dense(x.place([one for one, _ in positive]), y.run([value for _, value in positive]))
+    kept = points[points[:, 1] <= y.begin]
+    return kept[:, 0], kept[:, 1]
+
+
+def _texts(panel: Panel, lines: list[_Line], x: Axis, y: Axis, layout: Layout) -> Iterator[str]:
     """Write the marks, the curves' names and the note, each where there is room left."""
     for mark in panel.marks:
         left, top = float(x.place(mark.x)), float(y.place(mark.y))
@@ -109,12 +135,12 @@ def _texts(panel: Panel, x: Axis, y: Axis, layout: Layout) -> Iterator[str]:
         yield f'<circle cx="{left:.1f}" cy="{top:.1f}" r="2.2" fill="{_STYLES[Role.DATA][0]}"/>'
         box = layout.around(mark.label, left, top)
         yield _leader(left, top, box) + _label(mark.label, box, _INK)
-    for curve in panel.curves:
-        if curve.label:
-            box = layout.along(curve.label, x.place(curve.x), y.place(curve.y))
-            yield _label(curve.label, box, _STYLES[curve.role][0])
+    for line in lines:
+        if line.curve.label and len(line.x):
+            box = layout.along(line.curve.label, line.x, line.y)
+            yield _label(line.curve.label, box, _STYLES[line.curve.role][0])
     for band in panel.bands:
-        if band.label:
+        if band.label and band.x:
             box = layout.along(band.label, x.place(band.x), y.place(band.upper))
             yield _label(band.label, box, _FAINT)
     if panel.note:
@@ -139,6 +165,8 @@ def _lines(values: ArrayLike, drawn: Callable[[float], str], colour: str) -> str
 
 
 def _band(band: Band, x: Axis, y: Axis) -> str:
+    if not band.x:
+        return ""
     left = x.place(band.x)
     outline = np.concatenate((left, left[::-1]))
     edge = np.concatenate((y.place(band.upper), y.place(band.lower)[::-1]))
@@ -154,11 +182,13 @@ def _bars(bars: Bars, x: Axis, y: Axis) -> str:
     return f'<path d="{path}" fill="{_BAR}" stroke="#ffffff" stroke-width="0.4"/>'
 
 
-def _curve(curve: Curve, x: Axis, y: Axis) -> str:
-    colour, width, dashes = _STYLES[curve.role]
+def _drawn(line: _Line) -> str:
+    if not len(line.x):
+        return ""
+    colour, width, dashes = _STYLES[line.curve.role]
     dashed = f' stroke-dasharray="{dashes}"' if dashes else ""
     return (
-        f'<path d="{_path(x.place(curve.x), y.place(curve.y))}" fill="none" stroke="{colour}" '
+        f'<path d="{_path(line.x, line.y)}" fill="none" stroke="{colour}" '
         f'stroke-width="{width}" stroke-linejoin="round"{dashed}/>'
     )
 

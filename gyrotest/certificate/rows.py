@@ -137,13 +137,14 @@ def _group(results: list[JudgedResult]) -> Group:
 
 
 def _condition(results: list[JudgedResult]) -> str:
-    """The condition common to all repeats, or each repeat's own."""
-    different = list(dict.fromkeys(result.condition for result in results))
-    if len(different) == 1:
-        return different[0]
+    """What holds for all repeats, then what holds for each."""
+    parts = [result.condition.split("; ") if result.condition else [] for result in results]
+    common = [part for part in parts[0] if all(part in others for others in parts)]
+    own = ["; ".join(part for part in given if part not in common) for given in parts]
     if len(results) > _TALL:
-        return ""
-    return "; ".join(f"{_repeat(one)}: {one.condition}" for one in results if one.condition)
+        own = []  # stands in each row
+    told = [f"{_repeat(result)}: {text}" for result, text in zip(results, own, strict=False) if text]
+    return "; ".join((*common, *told))
 
 
 def _repeat(result: JudgedResult) -> str:

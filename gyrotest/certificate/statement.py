@@ -153,7 +153,7 @@ def _rules(record: RunRecord) -> list[DecisionRule]:
 
 def _labels(record: RunRecord, rule: DecisionRule) -> str:
     chosen = [one.label for one in record.results if one.limit and one.limit.decision is rule]
-    return ", ".join(dict.fromkeys(chosen))
+    return "; ".join(dict.fromkeys(chosen))
 
 
 def _listed(texts: list[str]) -> str:

@@ -17,7 +17,6 @@ from gyrotest.certificate.pdf import RECORD_NAME, RESULTS_NAME, certificate_byte
 from gyrotest.certificate.record import read_record, record_sha256
 from gyrotest.errors import CertificateError
 from gyrotest.records.recording import Recording
-from gyrotest.records.run import RunRecord
 
 if TYPE_CHECKING:
     from pypdf import PdfReader
@@ -69,10 +68,15 @@ def _pdf_complaints(content: bytes) -> Iterator[str]:
     drawn = certificate_bytes(record, data)
     if drawn == content:
         return
-    yield from _hash_complaints(reader, data)
+    texts = [page.extract_text() for page in reader.pages]
+    yield from _hash_complaints(reader, texts, record_sha256(data))
     if _attached(reader, RESULTS_NAME) != results_csv(record).encode():
         yield f"{RESULTS_NAME} differs from the attached record"
-    yield from _page_complaints(reader, PdfReader(io.BytesIO(drawn)), record)
+    again = PdfReader(io.BytesIO(drawn))
+    yield from _page_complaints(reader, again)
+    maker = record.header.software.get("gyrotest", "?")
+    for complaint in _text_complaints(texts, [page.extract_text() for page in again.pages]):
+        yield f"{complaint} (made by gyrotest {maker})"
 
 
 def _attached(reader: "PdfReader", name: str) -> bytes | None:
@@ -80,24 +84,26 @@ def _attached(reader: "PdfReader", name: str) -> bytes | None:
     return found[0] if found else None
 
 
-def _hash_complaints(reader: "PdfReader", data: bytes) -> Iterator[str]:
-    digest = record_sha256(data)
+def _hash_complaints(reader: "PdfReader", texts: list[str], digest: str) -> Iterator[str]:
     keywords = (reader.metadata.keywords if reader.metadata else None) or ""
     if digest not in keywords:
-        yield f"the attached record's SHA-256 is {digest}, the metadata name '{keywords}'"
-    if not any(digest in page.extract_text() for page in reader.pages):
+        yield f"the attached record's SHA-256 is {digest}, the metadata names '{keywords}'"
+    if not any(digest in text for text in texts):
         yield f"the attached record's SHA-256 {digest} is not the one that is printed"
 
 
-def _page_complaints(found: "PdfReader", expected: "PdfReader", record: RunRecord) -> Iterator[str]:
+def _page_complaints(found: "PdfReader", expected: "PdfReader") -> Iterator[str]:
     if len(found.pages) != len(expected.pages):
         yield f"has {len(found.pages)} pages, the record gives {len(expected.pages)}"
     for number, (page, again) in enumerate(zip(found.pages, expected.pages, strict=False), start=1):
         if len(page.get("/Annots", ())) != len(again.get("/Annots", ())):
             yield f"page {number} carries annotations that the certificate does not have"
-        if page.extract_text() != again.extract_text():
-            difference = _difference(page.extract_text(), again.extract_text())
-            yield f"page {number} {difference} (made by gyrotest {record.header.software.get('gyrotest', '?')})"
+
+
+def _text_complaints(found: list[str], expected: list[str]) -> Iterator[str]:
+    for number, (text, again) in enumerate(zip(found, expected, strict=False), start=1):
+        if text != again:
+            yield f"page {number} {_difference(text, again)}"
 
 
 def _difference(found: str, expected: str) -> str:

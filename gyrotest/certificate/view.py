@@ -163,7 +163,8 @@ def _test_facts(record: RunRecord) -> Iterator[Fact]:
     ambient = ", ".join(f"{name} {value}" for name, value in station.ambient.items())
     yield Fact(name="Ambient", value=ambient or appendix.NOT_STATED)
     yield Fact(name="Operator", value=header.operator or appendix.NOT_STATED)
-    software = ", ".join(f"{name} {version}" for name, version in header.software.items())
+    versions = sorted(header.software.items(), key=lambda one: one[0] != "gyrotest")
+    software = ", ".join(f"{name} {version}" for name, version in versions)
     yield Fact(name="Software", value=software or appendix.NOT_STATED)
     yield Fact(name="Attempt", value=_attempt(record))
 
