@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from datetime import datetime
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from gyrotest.records.plan import Context, Plan, Reduction
 from gyrotest.records.recording import Block, Identity, Samples, Sampling
@@ -54,6 +54,17 @@ class Source(Protocol):
 
     def close(self) -> None:
         """Leave the instrument safe and disconnect; idempotent, never raises."""
+
+
+@runtime_checkable
+class Playback(Protocol):
+    """A source that plays what was recorded elsewhere, like a tape."""
+
+    def cue(self, position_s: float) -> None:
+        """Wind to a position, seconds of samples from the begin; the next acquisition begins there."""
+
+    def remarks(self) -> tuple[str, ...]:
+        """What is to be known of the stretch that was played, for the certificate."""
 
 
 class Sink(Protocol):

@@ -20,7 +20,7 @@ def white_noise_inflation(*, aperture_s: float, interval_s: float) -> float:
 def dead_time_correction(
     *, aperture_s: float, interval_s: float, reading_s: float, bandwidth_hz: float | None
 ) -> DeadTime | None:
-    """Return the correction √(a/p) of the angle random walk, or None where it is not allowed.
+    """Return the correction of the angle random walk for dead time, or None where it is not allowed.
 
     Parameters
     ----------
@@ -33,14 +33,17 @@ def dead_time_correction(
 
     Notes
     -----
-    Noise folds back fully only where the gyro passes it: the bandwidth must exceed 1/(2·reading).
-    Of the white noise that a reading takes in, 1/(π²·reading·bandwidth) lies above the bandwidth
-    and may be missing; the half-width is half of that (a root), times the share that is folded.
+    White noise folds back as √(p/a) only where the gyro passes it: the bandwidth must exceed
+    1/(2·reading). What a gyro of first order, time constant T = 1/(2π·bandwidth), holds back from a
+    reading of length r is the share m = T/r·(1 − exp(−r/T)) of its variance: the correction is
+    √(a/p)/√(1 − m). The order of the gyro's response is an assumption, so that the whole of the
+    second factor is the half-width.
     """
     if aperture_s >= interval_s * (1.0 - 1e-9):
         return DeadTime(factor=1.0, half_width=0.0)
     if bandwidth_hz is None or bandwidth_hz <= 1.0 / (2.0 * reading_s):
         return None
-    folded = 1.0 - aperture_s / interval_s
-    missing = 1.0 / (math.pi**2 * reading_s * bandwidth_hz)
-    return DeadTime(factor=math.sqrt(aperture_s / interval_s), half_width=0.5 * folded * missing)
+    constants = 2.0 * math.pi * bandwidth_hz * reading_s
+    held_back = -math.expm1(-constants) / constants
+    passed = 1.0 / math.sqrt(1.0 - held_back)
+    return DeadTime(factor=math.sqrt(aperture_s / interval_s) * passed, half_width=passed - 1.0)

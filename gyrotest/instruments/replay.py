@@ -94,6 +94,11 @@ class Replay:
             range=sampling.range,
         )
 
+    def cue(self, position_s: float) -> None:
+        """Wind to a position of the window; with `rewind` every acquisition begins at its start."""
+        if not self._settings.rewind:
+            self._played = round(position_s / self._sampling().interval_s)
+
     def start(self, first: int, count: int) -> None:
         """Begin at a sample; a first one of 0 is a new acquisition."""
         if first == 0:

@@ -93,7 +93,10 @@ class Gap:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordingHeader:
-    """What is known before the first sample, kept inside the recording."""
+    """What is known before the first sample, kept inside the recording.
+
+    `since_power_on_s` is the time from power-on to the first sample; None where not known.
+    """
 
     run_id: str
     item: str
@@ -105,6 +108,7 @@ class RecordingHeader:
     planned_samples: int
     sampling: Sampling
     source: Identity
+    since_power_on_s: float | None = None
     meta: Mapping[str, str] = field(default_factory=dict)
 
 

@@ -9,6 +9,7 @@ from gyrotest.acquisition.acquire import Acquisition
 from gyrotest.acquisition.progress import Progress
 from gyrotest.conformity import judge, line
 from gyrotest.errors import GyrotestError, InsufficientDataError
+from gyrotest.ports import Playback, Source
 from gyrotest.recordings.reader import read_samples
 from gyrotest.records.plan import Context, Reduction
 from gyrotest.records.recording import Identity, Recording, RecordingHeader, Sampling
@@ -154,13 +155,13 @@ class UnitRun:
         attempt = replace(attempt, origin=_origin(opened.use.identity), instruments=(opened.use,))
         try:
             sampling = opened.source.configure(self.planned_case(item).plan.interval_s)
-            self._make_ready(item, bench)
+            self._make_ready(item, bench, opened.source)
             return self._record(item, attempt, bench, opened, sampling)
         except GyrotestError:
             bench.drop(opened)
             raise
 
-    def _make_ready(self, item: PlannedItem, bench: Bench) -> None:
+    def _make_ready(self, item: PlannedItem, bench: Bench, source: Source) -> None:
         planned = self.planned_case(item)
         plan = planned.plan
         cycled = planned.case.between_repeats is Between.POWER_CYCLE and item.repeat != 1
@@ -168,20 +169,14 @@ class UnitRun:
             if self.header.station.station.simulation is None:
                 self.confirm(f"{item.name}: switch the unit off and on again")
             bench.power_was_cycled()
-        if bench.clock.now_s() < bench.powered_on_s + plan.warm_up_s and not self._replays(bench):
+        warm_at_s = bench.powered_on_s + plan.warm_up_s
+        if bench.clock.now_s() < warm_at_s and not isinstance(source, Playback):
             self.progress.note(f"{item.name}: warming up, {plan.warm_up_s / 60:.3g} min after power-on")
-            bench.clock.sleep_until(bench.powered_on_s + plan.warm_up_s)
-        bench.stage(
-            self.header.slot,
-            self.header.serial_number,
-            item,
-            moment=moment(self.header.spec.spec, item),
-            plan=plan,
-        )
-
-    def _replays(self, bench: Bench) -> bool:
-        opened = bench.source(self.header.slot, self.header.serial_number)
-        return opened.use.identity.replayed
+            bench.clock.sleep_until(warm_at_s)
+        starts = moment(self.header.spec.spec, item)
+        bench.stage(self.header.slot, self.header.serial_number, item, moment=starts, plan=plan)
+        if isinstance(source, Playback):
+            source.cue(starts.acquired_s)
 
     def _record(
         self, item: PlannedItem, attempt: Attempt, bench: Bench, opened: OpenSource, sampling: Sampling
@@ -192,7 +187,7 @@ class UnitRun:
             clock=bench.clock,
             progress=self.progress,
             run_folder=self.folder.path,
-            header=self._recording_header(attempt, bench, opened, sampling, plan.samples),
+            header=self._recording_header(item, attempt, bench, opened, sampling),
             plan=plan,
         )
         outcome = Outcome.INTERRUPTED
@@ -200,21 +195,21 @@ class UnitRun:
             acquisition.run()
             outcome = Outcome.ACQUIRED
         finally:
-            remarks: tuple[str, ...] = getattr(opened.source, "remarks", tuple)()
+            played = opened.source.remarks() if isinstance(opened.source, Playback) else ()
             attempt = replace(
                 attempt,
                 outcome=outcome,
                 ended_utc=bench.clock.utc(),
                 started_utc=acquisition.header.started_utc,
                 recording=acquisition.recording,
-                events=(*acquisition.events, *remarks),
+                events=(*acquisition.events, *played),
                 truth=bench.truth(self.header.slot, plan),
             )
             self._put(attempt)
         return attempt
 
     def _recording_header(
-        self, attempt: Attempt, bench: Bench, opened: OpenSource, sampling: Sampling, samples: int
+        self, item: PlannedItem, attempt: Attempt, bench: Bench, opened: OpenSource, sampling: Sampling
     ) -> RecordingHeader:
         return RecordingHeader(
             run_id=self.header.run_id,
@@ -224,11 +219,19 @@ class UnitRun:
             model=self.header.model,
             spec_sha256=self.header.spec.sha256,
             started_utc=bench.clock.utc(),
-            planned_samples=samples,
+            planned_samples=self.planned_case(item).plan.samples,
             sampling=sampling,
             source=opened.use.identity,
+            since_power_on_s=self._since_power_on_s(item, bench, opened),
             meta=self.header.meta,
         )
+
+    def _since_power_on_s(self, item: PlannedItem, bench: Bench, opened: OpenSource) -> float | None:
+        if opened.use.identity.replayed:
+            return None
+        if self.header.station.station.simulation is not None:
+            return moment(self.header.spec.spec, item).elapsed_s
+        return bench.clock.now_s() - bench.powered_on_s
 
     def _reduce(self, item: PlannedItem, attempt: Attempt) -> Reduction:
         planned = self.planned_case(item)
@@ -256,6 +259,7 @@ class UnitRun:
             site=station.site,
             source=attempt.instruments[0].identity if attempt and attempt.instruments else None,
             gaps=recording.gaps if recording else (),
+            since_power_on_s=recording.header.since_power_on_s if recording else None,
         )
 
     def _judged(

@@ -60,15 +60,19 @@ def _suffixes(planned: PlannedCase) -> Iterator[tuple[int | None, str]]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Moment:
-    """When an acquisition starts by the plan: in which power-on (1 …), how long after it, s."""
+    """When an acquisition starts by the plan.
+
+    In which power-on (1 …), how long after it, and how much was acquired before it, s.
+    """
 
     power_cycle: int
     elapsed_s: float
+    acquired_s: float = 0.0
 
 
 def moment(spec: Spec, wanted: PlannedItem) -> Moment:
     """The planned start of an acquisition in a full run of the spec."""
-    power_cycle, elapsed_s = 1, 0.0
+    power_cycle, elapsed_s, acquired_s = 1, 0.0, 0.0
     for name, case in spec.cases.items():
         plan = planned_case(name, case).plan
         for repeat in range(1, case.repeats + 1):
@@ -78,7 +82,8 @@ def moment(spec: Spec, wanted: PlannedItem) -> Moment:
             if (name, repeat) == (wanted.case, wanted.repeat):
                 break
             elapsed_s += plan.duration_s
+            acquired_s += plan.duration_s
         else:
             continue
         break
-    return Moment(power_cycle=power_cycle, elapsed_s=elapsed_s)
+    return Moment(power_cycle=power_cycle, elapsed_s=elapsed_s, acquired_s=acquired_s)

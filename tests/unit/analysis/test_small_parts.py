@@ -25,8 +25,9 @@ def test_ten_line_cycles_of_60_hz_once_a_second_inflate_by_2_45() -> None:
 def test_dead_time_is_corrected_only_for_a_wide_enough_bandwidth() -> None:
     wide = dead_time_correction(aperture_s=0.5, interval_s=1.0, reading_s=0.1, bandwidth_hz=50.0)
     assert wide is not None
-    assert wide.factor == pytest.approx(math.sqrt(0.5))
-    assert 0.0 < wide.half_width < 0.02
+    held_back = (1.0 - math.exp(-10.0 * math.pi)) / (10.0 * math.pi)
+    assert wide.factor == pytest.approx(math.sqrt(0.5) / math.sqrt(1.0 - held_back))
+    assert wide.half_width == pytest.approx(1.0 / math.sqrt(1.0 - held_back) - 1.0)
     for bandwidth in (None, 5.0):
         narrow = dead_time_correction(
             aperture_s=0.5, interval_s=1.0, reading_s=0.1, bandwidth_hz=bandwidth
