@@ -17,7 +17,7 @@ from gyrotest.certificate.labels import Box, Layout, dense
 from gyrotest.records.figure import Band, Bars, Curve, Figure, Panel, Role, Scale, Width
 
 _WIDTHS = {Width.FULL: 510.0, Width.HALF: 246.0}
-_LEFT, _RIGHT, _TOP = 46.0, 5.0, 4.0
+_LEFT, _RIGHT, _TOP = 46.0, 9.0, 4.0
 _PANEL, _LOG_FACTOR, _BETWEEN = 96.0, 1.95, 9.0
 _FLOOR_SHOWN = 4.0  # of a noise floor far below the data, its highest part down to this factor is shown
 _TICK_LABELS, _AXIS_LABEL = 12.0, 13.0

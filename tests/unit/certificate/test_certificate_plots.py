@@ -92,6 +92,26 @@ def test_roles_have_styles_of_their_own_and_labels_are_escaped() -> None:
     assert len(set(lines)) == len(Role)
 
 
+def test_noise_floor_far_below_leaves_the_frame_but_is_seen() -> None:
+    tau = (1.0, 1000.0)
+    curves = (
+        Curve(x=tau, y=(100.0, 10.0)),
+        Curve(x=tau, y=(0.1, 0.0001), role=Role.FLOOR, label="meter"),
+    )
+    panel = Panel(y_label="y", x_scale=Scale.LOG, y_scale=Scale.LOG, curves=curves)
+    root = ET.fromstring(svg(Figure(name="x", title="x", panels=(panel,))))
+    frame = next(iter(root.iter("{http://www.w3.org/2000/svg}rect"))).attrib
+    bottom = float(frame["y"]) + float(frame["height"])
+    floor = next(
+        path.attrib["d"]
+        for path in root.iter("{http://www.w3.org/2000/svg}path")
+        if path.attrib.get("stroke") == "#7d8791"
+    )
+    places = [float(place) for place in re.findall(r"[ML][\d.]+ ([\d.]+)", floor)]
+    assert len(places) > 2
+    assert bottom - 4 < max(places) <= bottom + 0.1
+
+
 def test_panel_without_data_is_still_drawn() -> None:
     root = ET.fromstring(svg(Figure(name="x", title="x", panels=(Panel(y_label="y"),))))
     assert root.tag.endswith("svg")
