@@ -26,11 +26,12 @@ _GUIDE_DECADES = 1.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Axes:
-    """The averaging times drawn, and the unit of the deviations."""
+    """The averaging times drawn, the unit of the deviations, and by how much dead time raises them."""
 
     first_s: float
     last_s: float
     rate: Unit
+    folding: float
 
     def line(self, walk_dps: float, first_s: float, last_s: float, role: Role, label: str = "") -> Curve:
         """Draw slope −1/2 through `walk_dps` at 1 s."""
@@ -54,8 +55,13 @@ def allan_figure(
     """Draw the Allan deviation of a record."""
     curve = noise.overlapping
     rate = rate_unit(float(curve.deviation_dps.max()))
-    axes = _Axes(first_s=float(curve.tau_s[0]), last_s=float(curve.tau_s[-1]), rate=rate)
     named = {one.name: one for one in results}
+    axes = _Axes(
+        first_s=float(curve.tau_s[0]),
+        last_s=float(curve.tau_s[-1]),
+        rate=rate,
+        folding=_folding(named["angle_random_walk_apparent"], named["angle_random_walk"]),
+    )
     x = tuple(curve.tau_s.tolist())
     panel = Panel(
         y_label=f"Allan deviation / ({rate.name})",
@@ -83,17 +89,24 @@ def allan_figure(
         title="Allan deviation",
         panels=(panel,),
         note=_joined("overlapping estimator, 68 % confidence band", duty_note(record)),
-        caption=_caption(record, context),
+        caption=_caption(record, axes, context),
         alt=f"Allan deviation from {axes.first_s:g} s to {axes.last_s:g} s,"
         f" lowest {float(curve.deviation_dps.min()) * DPH:.3g} °/h",
     )
+
+
+def _folding(as_read: Result, corrected: Result) -> float:
+    """Return the factor by which white noise reads too large; 1 where it is not known."""
+    if not as_read.value or not corrected.value:
+        return 1.0
+    return as_read.value / corrected.value
 
 
 def _joined(*parts: str) -> str:
     return ", ".join(part for part in parts if part)
 
 
-def _caption(record: StaticRecord, context: Context) -> str:
+def _caption(record: StaticRecord, axes: _Axes, context: Context) -> str:
     sentences = [
         "Heavy line: overlapping estimator; thin line: classic one, of groups side by side.",
         "Dotted: slopes −1/2 and 0 through the read-offs.",
@@ -102,6 +115,11 @@ def _caption(record: StaticRecord, context: Context) -> str:
         sentences.append("Dashed: limits.")
     if set(context.datasheet) & {"allan_minimum", "bias_instability_coefficient", "angle_random_walk"}:
         sentences.append("Dash-dotted: datasheet.")
+    if axes.folding != 1.0:
+        sentences.append(
+            "Dead time raises white noise in the curve, and the lines of the angle random walk with it,"
+            f" {axes.folding:.3g} times."
+        )
     if record.floor_dps:
         sentences.append("Grey: the meter's own noise.")
     return " ".join(sentences)
@@ -151,10 +169,12 @@ def _same(one: Result, other: Result) -> bool:
 
 def _limits(axes: _Axes, noise: NoiseAnalysis, context: Context) -> Iterator[Curve]:
     limits = context.case.limits
-    for name in ("angle_random_walk", "angle_random_walk_apparent"):
+    for name, folding in (("angle_random_walk", axes.folding), ("angle_random_walk_apparent", 1.0)):
         if name in limits and limits[name].max is not None:
             end_s = _white_until_s(noise)
-            yield from _walk_line(axes, limits[name].max, end_s, Role.LIMIT, "limit ARW")
+            yield from _walk_line(
+                axes, limits[name].max, end_s, Role.LIMIT, "limit ARW", folding=folding
+            )
             break
     for name, factor, label in _LEVELS:
         if name in limits and limits[name].max is not None:
@@ -169,17 +189,22 @@ _LEVELS = (
 
 def _datasheet(axes: _Axes, datasheet: Mapping[str, Quantity]) -> Iterator[Curve]:
     yield from _walk_line(
-        axes, datasheet.get("angle_random_walk"), axes.last_s, Role.DATASHEET, "datasheet ARW"
+        axes,
+        datasheet.get("angle_random_walk"),
+        axes.last_s,
+        Role.DATASHEET,
+        "datasheet ARW",
+        folding=axes.folding,
     )
     for name, factor, label in _LEVELS:
         yield from _level_line(axes, datasheet.get(name), factor, Role.DATASHEET, f"datasheet {label}")
 
 
 def _walk_line(
-    axes: _Axes, walk: Quantity | None, last_s: float, role: Role, label: str
+    axes: _Axes, walk: Quantity | None, last_s: float, role: Role, label: str, *, folding: float
 ) -> Iterator[Curve]:
     if walk is not None:
-        value = walk.to("deg/sqrt(h)") / PER_ROOT_HOUR
+        value = folding * walk.to("deg/sqrt(h)") / PER_ROOT_HOUR
         text = f"{label} {_written(walk)}"
         yield axes.line(value, axes.first_s, last_s, role, text)
 
