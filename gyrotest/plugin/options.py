@@ -90,6 +90,18 @@ def pytest_load_initial_conftests(
 def pytest_configure(config: pytest.Config) -> None:
     """Wake up if a spec is given; otherwise do nothing at all."""
     if config.getoption("gyro_spec") and not config.getoption("help"):
+        _spare_rewriting(config)
         from gyrotest.plugin.activation import activate
 
         activate(config)
+
+
+def _spare_rewriting(config: pytest.Config) -> None:
+    """Keep pytest from rewriting assertions in gyrotest itself, which has none.
+
+    pytest marks whole packages that bring plugins; where no bytecode is kept (a read-only
+    installation) that costs each run more than a second.
+    """
+    marked = getattr(config.pluginmanager.rewrite_hook, "_must_rewrite", None)
+    if isinstance(marked, set):
+        marked.discard("gyrotest")
