@@ -4,6 +4,7 @@ SHELL := /bin/bash
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+READY_DEV := $(VENV)/.ready-dev
 
 .PHONY: demo test check bench docs clean
 
@@ -16,23 +17,27 @@ test: check
 	rm -f .coverage .coverage.*
 	$(BIN)/python -m pytest -n 2 --dist loadgroup --cov --cov-report=term:skip-covered
 
-check: $(READY)
+check: $(READY_DEV)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
 ## Speed and memory; prints the figures.
-bench: $(READY)
+bench: $(READY_DEV)
 	$(BIN)/python -m tests.benchmarks
 
 ## The pages that are generated: the reference of spec and station keys.
-docs: $(READY)
+docs: $(READY_DEV)
 	$(BIN)/gyrotest schema reference > docs/spec-reference.md
 
 $(READY): pyproject.toml .ci/setup
-	bash .ci/setup $(VENV)
+	bash .ci/setup $(VENV) formats
 	touch $(READY)
+
+$(READY_DEV): pyproject.toml .ci/setup
+	bash .ci/setup $(VENV) dev
+	touch $(READY) $(READY_DEV)
 
 clean:
 	rm -rf $(VENV) .coverage .coverage.* .mypy_cache .ruff_cache .pytest_cache
