@@ -58,7 +58,9 @@ def _replay(folder: Path) -> Usage:
     np.save(folder / "long.npy", noise)
     (folder / "long.yaml").write_text(_REPLAY_SPEC)
     (folder / "station.yaml").write_text(_REPLAY_STATION)
-    command = pytest_command("--gyro-spec", "long.yaml", "--serial", "1", "--gyro-station", "station.yaml")
+    command = pytest_command(
+        "--gyro-spec", "long.yaml", "--serial", "1", "--gyro-station", "station.yaml"
+    )
     return median([measure(command, folder) for _ in range(3)])
 
 
