@@ -11,7 +11,7 @@ READY_DEV := $(VENV)/.ready-dev
 ## A certificate from the simulated bench; ends with its path.
 demo: $(READY)
 	$(BIN)/pytest --gyro-spec mems50.yaml --serial 1234
-	@ls -t reports/1234/*/*.pdf | head -n 1
+	@ls -t "$(CURDIR)"/reports/1234/*/*.pdf | head -n 1
 
 ## Everything that must hold: format, lint, types, import contracts, tests with branch coverage.
 test: check
