@@ -81,13 +81,20 @@ class Acquisition:
             self._note(f"{fault}; try {tried} of {len(RETRY_PAUSES_S)} in {pause_s:g} s")
             self.clock.sleep_until(self.clock.now_s() + pause_s)
             try:
-                first = self.source.recover()
+                first = self._restarted()
             except InstrumentError as again:
                 fault = again
                 continue
             self._go_on(writer, first, str(fault))
             return tried
         raise AcquisitionError(f"{fault}; given up after {len(RETRY_PAUSES_S)} tries")
+
+    def _restarted(self) -> int:
+        """The position at which the source goes on, unless that is beyond the record's end."""
+        first = self.source.recover()
+        if first < self.plan.samples:
+            self.source.start(first, self.plan.samples)
+        return first
 
     def _go_on(self, writer: RecordingWriter, first: int, reason: str) -> None:
         gap = Gap(after=self._next - 1, missing=first - self._next, reason=reason)
@@ -97,7 +104,6 @@ class Acquisition:
         if first >= self.plan.samples:
             raise AcquisitionError(f"{reason}; the instrument came back after the record's end")
         self._next = first
-        self.source.start(first, self.plan.samples)
 
     def _note(self, text: str) -> None:
         self.events.append(f"{self.clock.utc():%Y-%m-%d %H:%M:%S} UTC: {text}")

@@ -1,0 +1,220 @@
+"""An acquisition: what it bridges, what it gives up on, what it leaves behind."""
+
+from collections.abc import Callable
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gyrotest.acquisition.acquire import MOST_RECOVERIES, Acquisition
+from gyrotest.acquisition.progress import Silence
+from gyrotest.errors import (
+    AcquisitionError,
+    InstrumentError,
+    InstrumentTimeoutError,
+    OverloadError,
+)
+from gyrotest.records.plan import Plan
+from gyrotest.records.recording import (
+    Block,
+    Identity,
+    RecordingHeader,
+    SampleFlag,
+    Sampling,
+)
+from gyrotest.simulation.clock import VirtualClock
+
+SAMPLES = 100
+IDENTITY = Identity(manufacturer="Maker", model="M1", serial_number="1", firmware="0")
+SAMPLING = Sampling(interval_s=1.0, aperture_s=0.2, readings=1, noise=1e-6, range=10.0)
+
+
+class Bench:
+    """A source of one sample a second whose faults are written down beforehand.
+
+    `faults` by position: that sample is preceded by an error. `starts` and `recoveries` give the
+    errors of the next calls of that name, None where the call succeeds.
+    """
+
+    def __init__(
+        self,
+        clock: VirtualClock,
+        *,
+        faults: dict[int, InstrumentError] | None = None,
+        starts: tuple[InstrumentError | None, ...] = (),
+        recoveries: tuple[InstrumentError | None, ...] = (),
+        value: Callable[[int], float] = float,
+        end: int = SAMPLES,
+    ) -> None:
+        self._clock = clock
+        self._faults = dict(faults or {})
+        self._starts, self._recoveries = list(starts), list(recoveries)
+        self._value = value
+        self._end = end
+        self._position = 0
+
+    def open(self) -> Identity:
+        return IDENTITY
+
+    def configure(self, interval_s: float) -> Sampling:
+        return SAMPLING
+
+    def start(self, first: int, count: int) -> None:
+        self._raise_next(self._starts)
+        self._position = first
+
+    def fetch(self) -> Block | None:
+        if self._position >= self._end:
+            return None
+        fault = self._faults.pop(self._position, None)
+        if fault is not None:
+            self._clock.advance(1.0)  # what the time-out took
+            raise fault
+        position = self._position
+        self._clock.sleep_until(float(position))
+        self._position += 1
+        value = self._value(position)
+        flag = SampleFlag.OVERLOAD if abs(value) > 1e37 else SampleFlag.GOOD
+        return Block(
+            first=position,
+            time_s=np.array([float(position)]),
+            values=np.array([[value]]),
+            flags=np.array([flag], dtype=np.uint8),
+        )
+
+    def recover(self) -> int:
+        self._raise_next(self._recoveries)
+        return int(np.ceil(self._clock.now_s()))
+
+    def close(self) -> None:
+        """Nothing to leave safe."""
+
+    @staticmethod
+    def _raise_next(planned: list[InstrumentError | None]) -> None:
+        fault = planned.pop(0) if planned else None
+        if fault is not None:
+            raise fault
+
+
+def _acquisition(folder: Path, clock: VirtualClock, bench: Bench) -> Acquisition:
+    header = RecordingHeader(
+        run_id="run",
+        item="rest-1234-r1",
+        attempt=1,
+        serial_number="1234",
+        model="MEMS50",
+        spec_sha256="0" * 64,
+        started_utc=datetime(2026, 1, 1, tzinfo=UTC),
+        planned_samples=SAMPLES,
+        sampling=SAMPLING,
+        source=IDENTITY,
+    )
+    return Acquisition(
+        source=bench,
+        clock=clock,
+        progress=Silence(),
+        run_folder=folder,
+        header=header,
+        plan=Plan(warm_up_s=0.0, interval_s=1.0, samples=SAMPLES),
+    )
+
+
+@pytest.fixture
+def clock() -> VirtualClock:
+    return VirtualClock()
+
+
+def _lost(text: str = "M1: no reply") -> InstrumentError:
+    return InstrumentTimeoutError(text)
+
+
+def test_a_fault_is_bridged_by_a_gap(tmp_path: Path, clock: VirtualClock) -> None:
+    acquisition = _acquisition(tmp_path, clock, Bench(clock, faults={40: _lost()}))
+    recording = acquisition.run()
+    (gap,) = recording.gaps
+    assert (gap.after, gap.missing, gap.reason) == (39, 1, "M1: no reply")
+    assert recording.complete
+    assert recording.samples == SAMPLES - 1
+
+
+def test_the_pauses_between_tries_grow(tmp_path: Path, clock: VirtualClock) -> None:
+    bench = Bench(clock, faults={40: _lost()}, recoveries=(_lost("M1: second"), _lost("M1: third")))
+    acquisition = _acquisition(tmp_path, clock, bench)
+    recording = acquisition.run()
+    (gap,) = recording.gaps
+    assert gap.reason == "M1: third"
+    assert gap.missing == 39 + 1 + (1 + 5 + 30) - 40
+    tries = [event.partition("UTC: ")[2] for event in acquisition.events]
+    assert tries[0] == "M1: no reply; try 1 of 3 in 1 s"
+    assert tries[1] == "M1: second; try 2 of 3 in 5 s"
+    assert tries[2] == "M1: third; try 3 of 3 in 30 s"
+    assert tries[3].startswith("recovered; ")
+
+
+def test_a_start_that_fails_after_a_recovery_is_another_try(tmp_path: Path, clock: VirtualClock) -> None:
+    bench = Bench(clock, faults={40: _lost()}, starts=(None, _lost("M1: INIT is refused")))
+    recording = _acquisition(tmp_path, clock, bench).run()
+    (gap,) = recording.gaps
+    assert gap.reason == "M1: INIT is refused"
+    assert recording.complete
+    assert recording.samples + gap.missing == SAMPLES
+
+
+def test_a_source_that_stays_away_ends_the_record_and_keeps_it(
+    tmp_path: Path, clock: VirtualClock
+) -> None:
+    bench = Bench(clock, faults={40: _lost()}, recoveries=(_lost(),) * 3)
+    acquisition = _acquisition(tmp_path, clock, bench)
+    with pytest.raises(AcquisitionError, match="M1: no reply; given up after 3 tries"):
+        acquisition.run()
+    assert acquisition.recording is not None
+    assert not acquisition.recording.complete
+    assert acquisition.recording.samples == 40
+
+
+def test_a_source_that_fails_again_and_again_is_given_up(tmp_path: Path, clock: VirtualClock) -> None:
+    faults = {position: _lost() for position in range(0, SAMPLES, 5)}
+    acquisition = _acquisition(tmp_path, clock, Bench(clock, faults=faults))
+    with pytest.raises(AcquisitionError, match=f"given up after {MOST_RECOVERIES} recoveries"):
+        acquisition.run()
+
+
+def test_a_source_that_comes_back_too_late_ends_the_record(tmp_path: Path, clock: VirtualClock) -> None:
+    bench = Bench(clock, faults={90: _lost()}, recoveries=(_lost(), _lost()))
+    with pytest.raises(AcquisitionError, match="came back after the record's end"):
+        _acquisition(tmp_path, clock, bench).run()
+
+
+def test_an_overload_is_not_tried_again(tmp_path: Path, clock: VirtualClock) -> None:
+    bench = Bench(clock, value=lambda position: 9.9e37 if position == 7 else float(position))
+    acquisition = _acquisition(tmp_path, clock, bench)
+    with pytest.raises(OverloadError, match=r"M1: overload at sample 7 \(range 10 V\)"):
+        acquisition.run()
+    assert acquisition.recording is not None
+    assert acquisition.recording.samples == 8
+
+
+def test_a_source_that_ends_early_is_an_error(tmp_path: Path, clock: VirtualClock) -> None:
+    with pytest.raises(AcquisitionError, match=r"ended after 50 of 100 samples \(50 of 100 s\)"):
+        _acquisition(tmp_path, clock, Bench(clock, end=50)).run()
+
+
+def test_a_stuck_reading_is_found_after_a_minute(tmp_path: Path, clock: VirtualClock) -> None:
+    bench = Bench(clock, value=lambda position: float(min(position, 20)))
+    with pytest.raises(InstrumentError, match="stuck at 20 V for 60 samples"):
+        _acquisition(tmp_path, clock, bench).run()
+
+
+def test_whatever_ends_it_the_record_is_closed(tmp_path: Path, clock: VirtualClock) -> None:
+    def interrupted(position: int) -> float:
+        if position == 30:
+            raise KeyboardInterrupt
+        return float(position)
+
+    acquisition = _acquisition(tmp_path, clock, Bench(clock, value=interrupted))
+    with pytest.raises(KeyboardInterrupt):
+        acquisition.run()
+    assert acquisition.recording is not None
+    assert acquisition.recording.samples == 30
+    assert not acquisition.recording.complete
