@@ -7,6 +7,7 @@ from gyrotest.errors import InstrumentError, InstrumentProtocolError, Instrument
 from gyrotest.instruments.transport.channel import Channel
 
 _SHOWN = 40
+_OF_READINGS = frozenset({"READ?", "FETC?", "R?"})
 
 
 class Conversation:
@@ -103,9 +104,9 @@ class Conversation:
 
     def _failure(self, command: str, timeout_s: float, error: OSError) -> InstrumentError:
         if isinstance(error, TimeoutError):
+            hint = "is its trigger source IMM?" if command in _OF_READINGS else "is its address right?"
             return InstrumentTimeoutError(
-                f"{self.who}: no reply to {command} within {timeout_s:.3g} s;"
-                " is it switched on, and is its trigger source IMM?"
+                f"{self.who}: no reply to {command} within {timeout_s:.3g} s; is it switched on, and {hint}"
             )
         return InstrumentError(
             f"{self.who}: connection lost at {command} ({error}); look at the cable and the instrument's power"
