@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
@@ -52,12 +52,24 @@ class _Listed:
 
 
 def verify_folder(path: Path) -> tuple[Finding, ...]:
-    """Verify every recording of a run's folder, of its recordings folder, or one recording.
+    """Verify every recording of a run's folder, of all runs below a folder, or one recording.
 
     Raises `RecordingError` if there is nothing to verify or the run's record cannot be read.
     """
     if not path.exists():
         raise RecordingError(f"{path}: does not exist")
+    findings = _verified_run(path)
+    if not findings and path.is_dir():
+        findings = [one for run in _runs_below(path) for one in _verified_below(run, path)]
+    if not findings:
+        raise RecordingError(
+            f"{path}: holds no recordings ({FOLDER}/*.parquet or folders of *{SEGMENT_SUFFIX})"
+        )
+    return tuple(findings)
+
+
+def _verified_run(path: Path) -> list[Finding]:
+    """Findings of one run, or of one recording; empty where there is none."""
     run_folder, found = _recordings(path)
     listed = _listed(run_folder / RECORD)
     findings = [_verified(one, listed) for one in found]
@@ -72,11 +84,21 @@ def verify_folder(path: Path) -> tuple[Finding, ...]:
             for name in listed
             if not (run_folder / name).exists()
         ]
-    if not findings:
-        raise RecordingError(
-            f"{path}: holds no recordings ({FOLDER}/*.parquet or folders of *{SEGMENT_SUFFIX})"
-        )
-    return tuple(findings)
+    return findings
+
+
+def _runs_below(path: Path) -> list[Path]:
+    return sorted(one.parent for one in path.rglob(FOLDER) if one.is_dir() and one.parent != path)
+
+
+def _verified_below(run: Path, path: Path) -> list[Finding]:
+    """Findings of one run of several: a record that cannot be read does not hide the other runs."""
+    name = run.relative_to(path).as_posix()
+    try:
+        return [replace(one, path=f"{name}/{one.path}") for one in _verified_run(run)]
+    except RecordingError as error:
+        message = f"the run's recordings cannot be held against it: {error}"
+        return [Finding(path=f"{name}/{RECORD}", state=State.DAMAGED, rows=0, message=message)]
 
 
 def _recordings(path: Path) -> tuple[Path, tuple[Path, ...]]:

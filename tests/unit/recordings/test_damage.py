@@ -254,3 +254,22 @@ def test_an_empty_folder_has_nothing_to_verify(tmp_path):
         verify_folder(tmp_path)
     with pytest.raises(RecordingError, match="does not exist"):
         verify_folder(tmp_path / "nowhere")
+
+
+def test_every_run_below_a_folder_is_verified(tmp_path, header, block, ticking):
+    """`verify_folder` on the folder of all reports: each finding tells its run."""
+    for serial in ("1234", "1235"):
+        written(tmp_path / serial / "run-1", header, block, ticking)
+    (tmp_path / "1235" / "run-2" / "recordings").mkdir(parents=True)  # nothing was recorded there
+    findings = verify_folder(tmp_path)
+    assert [one.path for one in findings] == [f"1234/run-1/{NAME}", f"1235/run-1/{NAME}"]
+    assert {one.state for one in findings} == {State.INCOMPLETE}
+
+
+def test_an_unreadable_record_does_not_hide_the_other_runs(tmp_path, header, block, ticking):
+    for run in ("run-1", "run-2"):
+        written(tmp_path / run, header, block, ticking)
+    (tmp_path / "run-1" / "run.json").write_text("{", encoding="utf-8")
+    first, second = verify_folder(tmp_path)
+    assert (first.path, first.state) == ("run-1/run.json", State.DAMAGED)
+    assert second.state is State.INCOMPLETE
