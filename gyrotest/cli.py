@@ -61,13 +61,13 @@ def _add_check(parser: argparse.ArgumentParser) -> None:
 
 
 def _check(parsed: argparse.Namespace) -> int:
-    from gyrotest.registry import PROCEDURES, load
+    from gyrotest.simulation.complaints import simulation_faults
     from gyrotest.specification.check import check_file
 
     faults = 0
     for path in parsed.files:
         try:
-            _say(f"{path}: {check_file(path, lambda name: load(PROCEDURES, name)())}")
+            _say(f"{path}: {check_file(path, simulation=simulation_faults)}")
         except GyrotestError as error:
             faults += 1
             sys.stderr.write(f"{error}\n")

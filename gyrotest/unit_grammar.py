@@ -189,7 +189,7 @@ def _tokens(unit: str) -> tuple[_Token, ...]:
         match = _TOKEN.match(text, position)
         if match is None or match.end() == position:
             rest = text[position:].lstrip(" \t")
-            raise UnitError(f"'{unit}' is no unit: '{rest[:10]}' is not understood")
+            raise UnitError(f"{unit!r} is no unit: {rest[:10]!r} is not understood")
         position = match.end()
         found.append(_token(match))
     return tuple(found)

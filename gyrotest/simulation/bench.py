@@ -42,7 +42,7 @@ class SimulatedBench:
     ) -> None:
         simulation = station.simulation or Simulation()
         chosen = find_scenario(scenario or simulation.scenario)
-        served = [name for name, one in station.instruments.items() if _is_simulated(one.resource)]
+        served = [name for name, one in station.instruments.items() if is_simulated(one.resource)]
         gyro = gyro_parameters(simulation.gyro, output, chosen.factors)
         if faults := unknown_instruments(station):
             raise StationError(faults)
@@ -172,7 +172,8 @@ def find_scenario(name: str) -> Scenario:
     return SCENARIOS[name]
 
 
-def _is_simulated(resource: str) -> bool:
+def is_simulated(resource: str) -> bool:
+    """Whether the simulated bench serves an instrument with this resource."""
     return resource == _SIMULATED or resource.startswith(f"{_SIMULATED}:")
 
 

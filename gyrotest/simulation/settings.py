@@ -91,6 +91,14 @@ def gyro_parameters(
     )
 
 
+def gyro_figures(given: Mapping[str, Any]) -> dict[str, float]:
+    """The gyro's true figures in canonical units; raises `StationError` with all complaints at once."""
+    values, faults = _quantities(given, _GYRO, "simulation.gyro")
+    if faults:
+        raise StationError(faults)
+    return values
+
+
 def meter_parameters(station: Station, name: str) -> MeterParameters:
     """A meter's figures from `simulation.instruments` and the station's accuracy.
 

@@ -8,12 +8,21 @@ from gyrotest.records.station import Station
 from gyrotest.specification.cases import Catalogue
 from gyrotest.specification.shapes import fields_of
 from gyrotest.specification.spec import installed_procedure, load_spec
-from gyrotest.specification.station import Drivers, installed_driver, load_station
+from gyrotest.specification.station import (
+    Drivers,
+    SimulationCheck,
+    installed_driver,
+    load_station,
+    unchecked,
+)
 from gyrotest.specification.yaml_document import read_yaml
 
 
 def check_file(
-    path: Path, procedures: Catalogue = installed_procedure, drivers: Drivers = installed_driver
+    path: Path,
+    procedures: Catalogue = installed_procedure,
+    drivers: Drivers = installed_driver,
+    simulation: SimulationCheck = unchecked,
 ) -> str:
     """Check a spec or a station, whichever it is, and return what it is; raises `DocumentError`."""
     document = read_yaml(path, DocumentError)
@@ -24,7 +33,7 @@ def check_file(
         message = "is neither a spec (model, output, cases) nor a station (name, instruments, slots)"
         raise DocumentError([document.fault((), message)])
     if in_station > in_spec:
-        station = load_station(path, drivers).station
+        station = load_station(path, drivers, simulation).station
         return f"a good station, '{station.name}' ({_counted(len(station.instruments), 'instrument')})"
     spec = load_spec(path, procedures).spec
     return f"a good spec of {spec.model} ({_counted(len(spec.cases), 'case')})"

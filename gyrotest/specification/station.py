@@ -1,12 +1,12 @@
 """Station files → stations: `load_station` reads one and complains of everything in it at once."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from gyrotest.errors import GyrotestError, StationError
+from gyrotest.errors import Fault, GyrotestError, StationError
 from gyrotest.records.station import Accuracy, Instrument, Site, Station, StationDocument
 from gyrotest.registry import INSTRUMENTS, load
 from gyrotest.specification.checked import Complaint, checked, related, unrelated
@@ -27,6 +27,7 @@ SIMULATED = (
 LINE_FREQUENCIES_HZ = (50.0, 60.0)
 
 Drivers = Callable[[str], Any]
+SimulationCheck = Callable[[Station], Iterable[Fault]]
 
 
 def installed_driver(name: str) -> Any:
@@ -34,15 +35,24 @@ def installed_driver(name: str) -> Any:
     return load(INSTRUMENTS, name)
 
 
-def load_station(path: Path, drivers: Drivers = installed_driver) -> StationDocument:
+def unchecked(_station: Station) -> tuple[Fault, ...]:
+    """Leave a station's `simulation` to be checked when a bench is made of it."""
+    return ()
+
+
+def load_station(
+    path: Path, drivers: Drivers = installed_driver, simulation: SimulationCheck = unchecked
+) -> StationDocument:
     """Read and check a station file; raises `StationError` with all its faults.
 
-    Where a driver's resource is a file (`resource_is_path`), a relative one begins at the station
-    file's folder.
+    `simulation` complains of what only a simulated bench knows: its keys and figures. Where a driver's
+    resource is a file (`resource_is_path`), a relative one begins at the station file's folder.
     """
     document = read_yaml(path, StationError)
     found = checked(document.tree, Station, known_faults(document))
     later = list(_complaints(found.record, drivers, found.complaints))
+    known = (*found.complaints, *later)
+    later += unrelated(_bench_complaints(found.record, simulation), known)
     raise_faults(document, (*found.complaints, *later), StationError)
     station = _with_paths(found.record, path.parent, drivers)
     return StationDocument(path=document.path, sha256=document.sha256, station=station)
@@ -110,6 +120,11 @@ def _simulation_complaints(station: Station) -> Iterator[Complaint]:
         if name not in station.instruments:
             message = f"is no instrument of this station; {nearest(name, station.instruments)}"
             yield Complaint(("simulation", "instruments", name), message, (("instruments",),))
+
+
+def _bench_complaints(station: Station, simulation: SimulationCheck) -> Iterator[Complaint]:
+    for fault in simulation(station):
+        yield Complaint(tuple(fault.key.split(".")), fault.message)
 
 
 def _site_complaints(site: Site) -> Iterator[Complaint]:

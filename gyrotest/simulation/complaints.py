@@ -1,0 +1,29 @@
+"""Everything that is wrong with a station's `simulation`, before a bench is made of it."""
+
+from collections.abc import Callable
+
+from gyrotest.errors import Fault, StationError
+from gyrotest.records.station import Station
+from gyrotest.simulation.bench import find_scenario, is_simulated
+from gyrotest.simulation.settings import gyro_figures, meter_parameters
+
+
+def simulation_faults(station: Station) -> tuple[Fault, ...]:
+    """The complaints about a station's scenario and about its simulated gyro and instruments."""
+    simulation = station.simulation
+    if simulation is None:
+        return ()
+    simulated = [name for name, one in station.instruments.items() if is_simulated(one.resource)]
+    return (
+        *_faults_of(find_scenario, simulation.scenario),
+        *_faults_of(gyro_figures, simulation.gyro),
+        *(fault for name in simulated for fault in _faults_of(meter_parameters, station, name)),
+    )
+
+
+def _faults_of(make: Callable[..., object], *given: object) -> tuple[Fault, ...]:
+    try:
+        make(*given)
+    except StationError as error:
+        return error.faults
+    return ()
