@@ -25,6 +25,7 @@ _LINE_FREQUENCY_HZ = 50.0
 # So that Ctrl-C is seen where a wait cannot be interrupted.
 _PATIENCE_S = 0.5
 _NAME = "meter"
+_LAST_PORT = 65_535
 _OUTPUT = Output(
     kind=OutputKind.VOLTAGE,
     scale_factor=Quantity(50.0, "mV/(deg/s)"),
@@ -141,7 +142,9 @@ def serve_meter(
 
 
 def _listen(dialogue: Callable[[], LineDialogue], clock: Clock, port: int) -> TcpServer:
+    if not 0 <= port <= _LAST_PORT:
+        raise RefusedError(f"127.0.0.1:{port}: ports are 0 (any free one) to {_LAST_PORT}")
     try:
         return TcpServer(dialogue, clock, port=port)
-    except (OSError, OverflowError) as error:
+    except OSError as error:
         raise RefusedError(f"127.0.0.1:{port}: cannot listen there ({error}); try --port 0") from error
