@@ -131,12 +131,18 @@ def _decide(judged: JudgedResult, limit: JudgedLimit) -> _Finding:
     value = judged.value
     if value is None:
         return _Finding(verdict=Verdict.INCOMPLETE, reason="not evaluated")
+    if limit.min is None and limit.max is None:
+        return _Finding(
+            verdict=Verdict.INCOMPLETE, reason="the limit has neither a minimum nor a maximum"
+        )
     if judged.at_most and limit.min is not None:
         reason = "an upper bound cannot be held against a minimum"
         return _Finding(verdict=Verdict.INCOMPLETE, reason=reason)
     if limit.decision is DecisionRule.SIMPLE:
-        inside = _within(value, value, limit)
-        return _Finding(verdict=Verdict.PASS if inside else Verdict.FAIL)
+        if _within(value, value, limit):
+            return _Finding(verdict=Verdict.PASS)
+        reason = "an upper bound; the record shows no lower one" if judged.at_most else ""
+        return _Finding(verdict=Verdict.FAIL, reason=reason)
     return _guarded(_span(judged, value), limit, judged.not_included)
 
 
@@ -183,8 +189,9 @@ def _value_text(judged: JudgedResult) -> str:
     value = judged.value or 0.0
     limit = judged.limit
     ends = [end for end in (limit.min, limit.max) if end is not None] if limit else []
+    fewest = _digits_down_to(judged.expanded_uncertainty, value) if judged.expanded_uncertainty else 3
     digits = next(
-        (d for d in range(3, _MOST_DIGITS) if all(_same_side(value, end, d) for end in ends)),
+        (d for d in range(fewest, _MOST_DIGITS) if all(_same_side(value, end, d) for end in ends)),
         _MOST_DIGITS,
     )
     unit = printed_unit(judged.unit)
@@ -194,6 +201,13 @@ def _value_text(judged: JudgedResult) -> str:
     if judged.lower_95 is not None and judged.upper_95 is not None:
         return f"{text} {unit} [{_number(judged.lower_95, digits)}, {_number(judged.upper_95, digits)}]"
     return f"{text} {unit}"
+
+
+def _digits_down_to(uncertainty: float, value: float) -> int:
+    """Return the significant digits that end a value where two digits of its uncertainty end."""
+    rounded = abs(float(f"{value:.2g}")) or uncertainty
+    places = math.floor(math.log10(rounded)) - math.floor(math.log10(float(f"{uncertainty:.2g}")))
+    return min(max(places + 2, 1), _MOST_DIGITS)
 
 
 def _same_side(value: float, end: float, digits: int) -> bool:

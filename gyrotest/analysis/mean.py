@@ -7,7 +7,7 @@ import numpy as np
 from gyrotest.analysis.noise import NoiseModel
 from gyrotest.analysis.noise_terms import FLICKER
 
-_FEWEST_FREEDOM = 3.0
+_FEWEST_FREEDOM = 5.0
 """Fewer would count the doubt about K twice: it is in the prudent K² already."""
 
 
@@ -39,10 +39,8 @@ def mean_uncertainty(
     and the variances of the mean about the bias at the record's begin; s/√n would count samples
     that are not independent. The degrees of freedom are 2u⁴ over the variance of u².
     """
-    over_record = np.array([1.0 / duration_s, FLICKER, duration_s / 3.0])
-    before = np.array([0.0, 0.0, since_power_on_s])
-    gradient = over_record + before
-    variance = float(over_record @ model.prudent_squares + before @ model.squares)
+    gradient = np.array([1.0 / duration_s, FLICKER, duration_s / 3.0 + since_power_on_s])
+    variance = float(gradient @ model.prudent_squares)
     spread = float(gradient @ model.covariance @ gradient)
     return MeanUncertainty(
         standard_uncertainty_dps=float(np.sqrt(variance)),

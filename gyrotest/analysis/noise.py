@@ -24,7 +24,7 @@ _FITTED_GROUPS = 4
 
 _ONE_SIDED_95 = 1.6448536269514722
 _ITERATIONS = 3
-_PRUDENCE = 0.25
+_PRUDENCE = 0.12
 _PER_DECADE = 5
 _POINTS_PER_DECADE = 300
 _FEWEST_TIMES = 8
@@ -72,7 +72,7 @@ class NoiseModel:
 
     @property
     def prudent_squares(self) -> NDArray[np.float64]:
-        """The squared coefficients, with K² a quarter of its standard uncertainty higher.
+        """The squared coefficients, with K² an eighth of its standard uncertainty higher.
 
         For uncertainties: a walk that a record does not resolve is not a walk that is absent.
         """

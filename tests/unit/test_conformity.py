@@ -99,6 +99,26 @@ def test_an_upper_bound_can_pass_a_maximum_but_no_minimum(rule: DecisionRule) ->
     }
 
 
+def test_a_failed_upper_bound_says_what_it_is() -> None:
+    found = judged(7.0, limit(high=5.0), at_most=True, lower_95=0.0, upper_95=8.0)
+    assert (found.verdict, found.reason) == (
+        Verdict.FAIL,
+        "an upper bound; the record shows no lower one",
+    )
+
+
+@pytest.mark.parametrize("rule", list(DecisionRule))
+def test_a_limit_without_ends_passes_nothing(rule: DecisionRule) -> None:
+    found = judged(1.0, limit(rule=rule), expanded_uncertainty=0.1)
+    assert found.verdict is Verdict.INCOMPLETE
+
+
+@pytest.mark.parametrize("rule", list(DecisionRule))
+def test_a_minimum_alone_is_a_limit(rule: DecisionRule) -> None:
+    assert judged(5.0, limit(low=1.0, rule=rule), expanded_uncertainty=1.0).verdict is Verdict.PASS
+    assert judged(-5.0, limit(low=1.0, rule=rule), expanded_uncertainty=1.0).verdict is Verdict.FAIL
+
+
 def test_the_result_is_judged_in_the_limits_unit_with_its_budget() -> None:
     result = Result(
         name="noise",
@@ -178,6 +198,11 @@ def test_of_no_verdict_at_all_the_worst_is_incomplete() -> None:
             judged(-0.123, limit(-2.0, 2.0, GUARDED), expanded_uncertainty=0.0321),
             "noise = −0.123 ± 0.032 °/h, limit −2 … 2 °/h (guarded)",
         ),
+        (
+            judged(0.151234, limit(-2.0, 2.0), expanded_uncertainty=0.00212),
+            "noise = 0.1512 ± 0.0021 °/h, limit −2 … 2 °/h",
+        ),
+        (judged(1234.5, None, expanded_uncertainty=560.0), "noise = 1230 ± 560 °/h"),
         (judged(5.0, limit(high=10.0), at_most=True), "noise ≤ 5 °/h, limit ≤ 10 °/h"),
         (judged(12345.0, limit(low=20000.0)), "noise = 12300 °/h, limit ≥ 20000 °/h"),
         (judged(5.0, None), "noise = 5 °/h"),

@@ -16,6 +16,7 @@ from gyrotest.procedures.static.noise_results import (
 )
 from gyrotest.procedures.static.record import StaticRecord
 from gyrotest.procedures.static.time_figures import Unit, rate_unit
+from gyrotest.procedures.static.wording import plain
 from gyrotest.records.figure import Band, Curve, Figure, Mark, Panel, Role, Scale
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
@@ -90,8 +91,8 @@ def allan_figure(
         panels=(panel,),
         note=_joined("overlapping estimator, 68 % confidence band", duty_note(record)),
         caption=_caption(record, axes, context),
-        alt=f"Allan deviation from {axes.first_s:g} s to {axes.last_s:g} s,"
-        f" lowest {float(curve.deviation_dps.min()) * DPH:.3g} °/h",
+        alt=f"Allan deviation from {plain(axes.first_s, 4)} s to {plain(axes.last_s, 4)} s,"
+        f" lowest {plain(float(curve.deviation_dps.min()) * DPH, 3)} °/h",
     )
 
 
@@ -118,7 +119,7 @@ def _caption(record: StaticRecord, axes: _Axes, context: Context) -> str:
     if axes.folding != 1.0:
         sentences.append(
             "Dead time raises white noise in the curve, and the lines of the angle random walk with it,"
-            f" {axes.folding:.3g} times."
+            f" {plain(axes.folding, 3)} times."
         )
     if record.floor_dps:
         sentences.append("Grey: the meter's own noise.")
@@ -138,7 +139,7 @@ def _guides(axes: _Axes, noise: NoiseAnalysis) -> Iterator[Curve]:
         read_s = _read_off_s(axes)
         reach = 10.0**_GUIDE_DECADES
         yield axes.line(walk.value, read_s / reach, read_s * reach, Role.GUIDE, "slope −1/2")
-    minimum = find_minimum(noise.overlapping)
+    minimum = find_minimum(noise)
     if minimum is not None:
         yield axes.level(minimum.spread_dps.value, Role.GUIDE)
 
@@ -154,12 +155,12 @@ def _marks(axes: _Axes, noise: NoiseAnalysis, named: Mapping[str, Result]) -> It
         tau_s = _read_off_s(axes)
         y = noise.model.angle_random_walk.value / float(np.sqrt(tau_s)) * axes.rate.factor
         kind = "ARW" if _same(walk, named["angle_random_walk"]) else "ARW as read"
-        yield Mark(x=tau_s, y=y, label=f"{kind} {walk.value:.3g} °/√h")
-    minimum = find_minimum(noise.overlapping)
+        yield Mark(x=tau_s, y=y, label=f"{kind} {plain(walk.value, 3)} °/√h")
+    minimum = find_minimum(noise)
     if minimum is not None:
         value = minimum.spread_dps.value
         sign = "" if minimum.reached else "≤ "
-        label = f"minimum {sign}{value * DPH:.3g} °/h at τ = {minimum.tau_s:.3g} s"
+        label = f"minimum {sign}{plain(value * DPH, 3)} °/h at τ = {plain(minimum.tau_s, 3)} s"
         yield Mark(x=minimum.tau_s, y=value * axes.rate.factor, label=label)
 
 
@@ -217,7 +218,7 @@ def _level_line(
 
 
 def _written(quantity: Quantity) -> str:
-    return f"{quantity.value:g} {printed_unit(quantity.unit)}"
+    return f"{plain(quantity.value, 6)} {printed_unit(quantity.unit)}"
 
 
 def _white_until_s(noise: NoiseAnalysis) -> float:

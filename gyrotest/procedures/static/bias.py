@@ -1,35 +1,30 @@
 """The bias with its uncertainty budget, and its spread over repeats."""
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
-from gyrotest.analysis.earth import EARTH_RATE_DPS, earth_share_dps
+from gyrotest.analysis.earth import earth_share_dps
 from gyrotest.analysis.interval import coverage_factor, deviation_bounds
-from gyrotest.analysis.mean import mean_uncertainty
 from gyrotest.analysis.noise import NoiseModel
 from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.static.budget import bias_budget, missing_contributions
 from gyrotest.procedures.static.parameters import run_to_run_name
 from gyrotest.procedures.static.record import StaticRecord
 from gyrotest.procedures.static.spread import Spread, spread_result
+from gyrotest.procedures.static.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Contribution, Result
-from gyrotest.records.spec import OutputKind
 from gyrotest.units import conversion_factor
 
-_ROOT_3 = math.sqrt(3.0)
+_MINUS = "\N{MINUS SIGN}"
 
 
 def bias_result(record: StaticRecord, model: NoiseModel, context: Context) -> Result:
     """Return the mean rate less the Earth's share, with its budget (GUM, JCGM 100)."""
     mean_dps = float(record.rate_dps.mean())
     share_dps = _earth_share_dps(context)
-    budget = (
-        _statistical(record, model, context),
-        *_of_scale(mean_dps, record, context),
-        *_of_earth(share_dps),
-    )
+    budget = bias_budget(record, model, mean_dps, share_dps, context)
     combined = math.sqrt(sum(one.standard_uncertainty**2 for one in budget))
     factor = coverage_factor(_effective_freedom(budget, combined))
     return Result(
@@ -41,7 +36,7 @@ def bias_result(record: StaticRecord, model: NoiseModel, context: Context) -> Re
         coverage_factor=factor,
         condition=_condition(record, share_dps),
         budget=budget,
-        not_included=tuple(_missing_contributions(record, context)),
+        not_included=tuple(missing_contributions(record, context)),
     )
 
 
@@ -55,99 +50,12 @@ def _earth_share_dps(context: Context) -> float | None:
 
 
 def _condition(record: StaticRecord, share_dps: float | None) -> str:
-    parts = [f"mean over {record.duration_s:g} s", record.condition]
+    parts = [f"mean over {plain(record.duration_s, 6)} s", record.condition]
     if share_dps is None:
-        parts.append("Earth's rate not subtracted: mounting, latitude or heading not known")
+        parts.append("Earth's rate not subtracted")
     else:
-        parts.append(f"Earth's share {share_dps * 3600.0:.3g} °/h subtracted")
+        parts.append(f"Earth's share {plain(share_dps * 3600.0, 3)} °/h subtracted".replace("-", _MINUS))
     return "; ".join(part for part in parts if part)
-
-
-def _statistical(record: StaticRecord, model: NoiseModel, context: Context) -> Contribution:
-    since_s = context.since_power_on_s
-    if since_s is None:
-        since_s = 0.0 if context.case.warm_up is None else context.case.warm_up.to("s")
-    found = mean_uncertainty(
-        model, duration_s=record.duration_s, since_power_on_s=since_s + record.begin_s
-    )
-    return Contribution(
-        source=f"noise of the record, its Allan deviation carried to {record.duration_s:g} s",
-        kind="A",
-        distribution="normal",
-        half_width="",
-        sensitivity="1",
-        standard_uncertainty=found.standard_uncertainty_dps,
-        degrees_of_freedom=found.degrees_of_freedom,
-    )
-
-
-def _of_scale(mean_dps: float, record: StaticRecord, context: Context) -> Iterator[Contribution]:
-    """Give the meter's accuracy, at the indication, and the scale factor's, at the rate."""
-    scaling, accuracy = record.scaling, context.accuracy
-    sensitivity = f"1/({abs(scaling.scale_factor):.4g} {scaling.unit}/(°/s))"
-    if accuracy is not None:
-        indication = abs(mean_dps * scaling.scale_factor + scaling.zero)
-        half = accuracy.of_reading.to("") * indication
-        yield _rectangular(
-            f"meter, {accuracy.of_reading} of reading",
-            half,
-            scaling.unit,
-            sensitivity,
-            scaling.scale_factor,
-        )
-        if record.sampling.range is not None:
-            half = accuracy.of_range.to("") * record.sampling.range * scaling.to_canonical
-            yield _rectangular(
-                f"meter, {accuracy.of_range} of range",
-                half,
-                scaling.unit,
-                sensitivity,
-                scaling.scale_factor,
-            )
-    if context.output.scale_factor_uncertainty is not None:
-        relative = context.output.scale_factor_uncertainty.to("")
-        yield Contribution(
-            source="scale factor",
-            kind="B",
-            distribution="rectangular",
-            half_width=f"{relative * 100.0:.3g} %",
-            sensitivity=f"{abs(mean_dps):.4g} °/s",
-            standard_uncertainty=abs(mean_dps) * relative / _ROOT_3,
-        )
-
-
-def _rectangular(
-    source: str, half_width: float, unit: str, sensitivity: str, scale_factor: float
-) -> Contribution:
-    return Contribution(
-        source=source,
-        kind="B",
-        distribution="rectangular",
-        half_width=f"{half_width:.3g} {unit}",
-        sensitivity=sensitivity,
-        standard_uncertainty=half_width / abs(scale_factor) / _ROOT_3,
-    )
-
-
-def _of_earth(share_dps: float | None) -> Iterator[Contribution]:
-    if share_dps is None:
-        yield Contribution(
-            source="Earth's rate, not subtracted",
-            kind="B",
-            distribution="rectangular",
-            half_width=f"{EARTH_RATE_DPS * 3600.0:.3f} °/h",
-            sensitivity="1",
-            standard_uncertainty=EARTH_RATE_DPS / _ROOT_3,
-        )
-
-
-def _missing_contributions(record: StaticRecord, context: Context) -> Iterator[str]:
-    if context.output.kind is OutputKind.VOLTAGE and context.accuracy is None:
-        yield "accuracy of the meter"
-    elif context.accuracy is not None and record.sampling.range is None:
-        yield "accuracy of the meter's range (range not known)"
-    if context.output.scale_factor_uncertainty is None:
-        yield "uncertainty of the scale factor"
 
 
 def _effective_freedom(budget: tuple[Contribution, ...], combined: float) -> float:
@@ -173,6 +81,11 @@ def bias_over_repeats(repeats: tuple[tuple[Result, ...], ...], context: Context)
             f"{context.case_name}: {len(biases_dph)} of {len(repeats)} repeats have a bias;"
             " its spread needs at least 2, and all of them"
         )
+    if len(set(biases_dph)) == 1:
+        raise InsufficientDataError(
+            f"{context.case_name}: all {len(repeats)} repeats have the same bias to the last digit, as the same"
+            " samples would give; was a recorded file played again?"
+        )
     deviation = float(np.std(biases_dph, ddof=1))
     bounds = deviation_bounds(deviation, len(biases_dph) - 1, confidence=0.95)
     name = run_to_run_name(context.case)
@@ -182,6 +95,6 @@ def bias_over_repeats(repeats: tuple[tuple[Result, ...], ...], context: Context)
         name=name,
         label="Bias repeatability" if cycled else "Bias, run to run",
         unit="deg/h",
-        condition=f"{len(biases_dph)} repeats, {'with' if cycled else 'without'} a power cycle between",
+        condition=f"{len(biases_dph)} repeats, {'with' if cycled else 'no'} power cycle between",
         context=context,
     )

@@ -18,6 +18,7 @@ from gyrotest.analysis.smoothing import smoothed_deviation
 from gyrotest.procedures.static.parameters import StaticParameters, stability_name
 from gyrotest.procedures.static.record import StaticRecord
 from gyrotest.procedures.static.spread import Spread, spread_result
+from gyrotest.procedures.static.wording import engineering, freedom, plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
 from gyrotest.units import Quantity
@@ -39,7 +40,7 @@ class NoiseAnalysis:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Minimum:
-    """The lowest point of an Allan deviation; `reached` where the curve rises again behind it."""
+    """The lowest point of an Allan deviation; `reached` where the curve rises on both sides of it."""
 
     place: int
     tau_s: float
@@ -78,9 +79,8 @@ def stability_result(
     rate = record.rate_dps if parameters.start is None else record.since(parameters.start.to("s"))
     size = round(smoothing.to("s") / record.interval_s)
     if rate.size < 2 * size:
-        reason = (
-            f"the {rate.size * record.interval_s:g} s that count hold no two averages of {smoothing}"
-        )
+        counted = plain(rate.size * record.interval_s, 6)
+        reason = f"the {counted} s that count hold no two averages of {smoothing}"
         return not_evaluated(name, label, "deg/h", reason)
     found = smoothed_deviation(rate, samples_per_average=size, model=model)
     spread = Spread(value=found.deviation_dps, lower=found.lower_95_dps, upper=found.upper_95_dps)
@@ -90,7 +90,7 @@ def stability_result(
         label=label,
         unit="deg/h",
         condition=_joined(
-            f"{found.averages} averages, {found.edf:.3g} degrees of freedom",
+            f"{found.averages} averages, {freedom(found.edf)}",
             "" if parameters.start is None else f"from {parameters.start} on",
             record.condition,
             duty_note(record),
@@ -99,9 +99,15 @@ def stability_result(
     )
 
 
-def find_minimum(curve: AllanDeviation) -> Minimum | None:
-    """Find the lowest point where the degrees of freedom are at least 10; None where they never are."""
-    admissible = np.flatnonzero(curve.edf >= FEWEST_FREEDOM)
+def find_minimum(noise: NoiseAnalysis) -> Minimum | None:
+    """Find the lowest point where the degrees of freedom are at least 10; None where they never are.
+
+    Averaging times that the noise model leaves out do not count: a low-pass filter makes the curve
+    fall towards them, without the bias being any stabler.
+    """
+    curve = noise.overlapping
+    described = curve.tau_s >= noise.model.first_tau_s * (1.0 - 1e-9)
+    admissible = np.flatnonzero((curve.edf >= FEWEST_FREEDOM) & described)
     if not admissible.size:
         return None
     place = int(admissible[np.argmin(curve.deviation_dps[admissible])])
@@ -113,18 +119,18 @@ def find_minimum(curve: AllanDeviation) -> Minimum | None:
             value=float(curve.deviation_dps[place]),
             lower=float(bounds.lower[place]),
             upper=float(bounds.upper[place]),
-            at_most=place == int(admissible[-1]),
+            at_most=place in (int(admissible[0]), int(admissible[-1])),
         ),
     )
 
 
-def minimum_results(record: StaticRecord, curve: AllanDeviation, context: Context) -> tuple[Result, ...]:
+def minimum_results(record: StaticRecord, noise: NoiseAnalysis, context: Context) -> tuple[Result, ...]:
     """Return the Allan minimum and the coefficient B = minimum/0.6643 (IEEE 952)."""
     names = (
         ("allan_minimum", "Allan deviation, minimum", 1.0, ""),
         ("bias_instability_coefficient", "Bias instability coefficient", 1.0 / FLAT, "minimum/0.6643"),
     )
-    minimum = find_minimum(curve)
+    minimum = find_minimum(noise)
     if minimum is None:
         reason = f"nowhere {FEWEST_FREEDOM:g} degrees of freedom: the record is too short"
         return tuple(not_evaluated(name, label, "deg/h", reason) for name, label, _, _ in names)
@@ -136,7 +142,7 @@ def minimum_results(record: StaticRecord, curve: AllanDeviation, context: Contex
             label=label,
             unit="deg/h",
             condition=_joined(
-                note, f"at τ = {minimum.tau_s:.4g} s", floor, record.condition, duty_note(record)
+                note, f"at τ = {plain(minimum.tau_s, 3)} s", floor, record.condition, duty_note(record)
             ),
             context=context,
         )
@@ -147,9 +153,7 @@ def minimum_results(record: StaticRecord, curve: AllanDeviation, context: Contex
 def walk_results(record: StaticRecord, model: NoiseModel, context: Context) -> tuple[Result, ...]:
     """Return the angle random walk, corrected for dead time, and as read."""
     apparent = _apparent(record, model)
-    fitted = (
-        f"slope −1/2 of a three-term fit, τ from {model.first_tau_s:.4g} s to {model.last_tau_s:.4g} s"
-    )
+    fitted = f"fit over τ = {plain(model.first_tau_s, 3)} s … {plain(model.last_tau_s, 3)} s"
     if apparent.at_most:
         fitted = f"not resolved; {fitted}"
     as_read = spread_result(
@@ -179,22 +183,21 @@ def _apparent(record: StaticRecord, model: NoiseModel) -> Spread:
 def _corrected(record: StaticRecord, apparent: Spread, fitted: str, context: Context) -> Result:
     sampling, bandwidth = record.sampling, context.output.bandwidth
     correction = dead_time_correction(
-        aperture_s=sampling.effective_aperture_s,
-        interval_s=sampling.interval_s,
-        reading_s=sampling.aperture_s,
+        reading_s=sampling.effective_aperture_s / sampling.readings,
+        spacing_s=sampling.interval_s / sampling.readings,
         bandwidth_hz=None if bandwidth is None else bandwidth.to("Hz"),
     )
     name, label, unit = "angle_random_walk", "Angle random walk", "deg/sqrt(h)"
     if correction is None:
-        needed = f"{1.0 / (2.0 * sampling.aperture_s):.3g} Hz"
+        needed = engineering(1.0 / (2.0 * sampling.aperture_s), "Hz", 3)
         found = "not known" if bandwidth is None else f"{bandwidth}"
         reason = (
-            f"dead time (duty {sampling.duty:.3g}) cannot be corrected:"
+            f"dead time (duty {plain(sampling.duty, 3)}) cannot be corrected:"
             f" the bandwidth must exceed {needed} and is {found}"
         )
         return not_evaluated(name, label, unit, reason)
     corrected = apparent.times(correction.factor).widened(correction.half_width / _ROOT_3)
-    note = "" if correction.factor == 1.0 else f"corrected for dead time by √{sampling.duty:.3g}"
+    note = "" if correction.factor == 1.0 else f"dead time corrected, duty {plain(sampling.duty, 3)}"
     return spread_result(
         corrected,
         name=name,
@@ -213,7 +216,7 @@ def not_evaluated(name: str, label: str, unit: str, reason: str) -> Result:
 def duty_note(record: StaticRecord) -> str:
     """Say that a record has dead time, where it has."""
     duty = record.sampling.duty
-    return "" if duty >= 1.0 - 1e-9 else f"with dead time, duty {duty:.3g}"
+    return "" if duty >= 1.0 - 1e-9 else f"dead time, duty {plain(duty, 3)}"
 
 
 def _joined(*parts: str) -> str:

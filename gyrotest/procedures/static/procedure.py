@@ -60,7 +60,7 @@ class Static:
                 stability_result(record, noise.model, smoothing, parameters, context)
                 for smoothing in parameters.smoothing
             ),
-            *minimum_results(record, noise.overlapping, context),
+            *minimum_results(record, noise, context),
             *walk_results(record, noise.model, context),
         )
         figures = static_figures(record, noise, results, context)

@@ -8,12 +8,14 @@ from numpy.typing import NDArray
 
 from gyrotest.analysis.continuity import Stretch, stretches_by_index, stretches_by_time, stuck_stretch
 from gyrotest.analysis.noise import SHORTEST_RECORD
+from gyrotest.analysis.resolution import digital_step
 from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.static.parameters import StaticParameters
+from gyrotest.procedures.static.wording import engineering, plain
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import SampleFlag, Samples, Sampling
 from gyrotest.records.spec import Gaps, Output, OutputKind
-from gyrotest.units import conversion_factor
+from gyrotest.units import conversion_factor, printed_unit, same_dimension
 
 _METER_MARGIN = 3.0
 
@@ -34,13 +36,17 @@ class Scaling:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StaticRecord:
-    """A stretch of evenly spaced rates that begins `begin_s` after the recording's first sample."""
+    """A stretch of evenly spaced rates that begins `begin_s` after the recording's first sample.
+
+    `floor_dps` is the meter's own noise of a sample and `step_dps` what it is digitised in, where known.
+    """
 
     rate_dps: NDArray[np.float64]
     begin_s: float
     sampling: Sampling
     scaling: Scaling
     floor_dps: float | None
+    step_dps: float | None
     missing: int
     condition: str
     remarks: tuple[str, ...]
@@ -83,6 +89,7 @@ def static_record(samples: Samples, context: Context, parameters: StaticParamete
         sampling=sampling,
         scaling=scaling,
         floor_dps=None if sampling.noise is None else scaling.spread_dps(sampling.noise),
+        step_dps=None if (step := digital_step(values)) is None else scaling.spread_dps(step),
         missing=_missing(samples, context),
         condition=note,
         remarks=()
@@ -100,6 +107,11 @@ def output_scaling(output: Output, unit: str) -> Scaling:
         scale_factor = output.scale_factor.to("V*s/deg" if voltage else "")
     elif voltage:
         raise InsufficientDataError("output.scale_factor is not given; a voltage is no rate without it")
+    if not same_dimension(unit, canonical):
+        raise InsufficientDataError(
+            f"the source gives '{printed_unit(unit)}', and the spec's output is a {output.kind.value}:"
+            " correct 'output.kind', or the unit in the station"
+        )
     return Scaling(
         to_canonical=conversion_factor(unit, canonical),
         zero=0.0 if output.zero_rate is None else output.zero_rate.to(canonical),
@@ -125,17 +137,29 @@ def _window(samples: Samples, parameters: StaticParameters) -> Stretch:
     if parameters.window is None:
         return Stretch(start=0, stop=count)
     begin, end = (round(one.to("s") / interval_s) for one in parameters.window)
-    if samples.index is None:
-        start, stop = begin, end
-    else:
-        first = int(samples.index[0])
-        start, stop = (int(one) for one in np.searchsorted(samples.index, (first + begin, first + end)))
-    if not start < stop <= count or (samples.index is None and end > count):
-        length_s = count * interval_s
+    place = _places(samples)
+    length = count if place is None else int(place[-1]) + 1
+    if end > length:
         raise InsufficientDataError(
-            f"the window [{parameters.window[0]}, {parameters.window[1]}) ends beyond the record of {length_s:g} s"
+            f"the window [{parameters.window[0]}, {parameters.window[1]}) ends beyond the record of"
+            f" {plain(length * interval_s, 6)} s"
         )
+    if place is None:
+        return Stretch(start=begin, stop=end)
+    start, stop = (int(one) for one in np.searchsorted(place, (begin, end)))
     return Stretch(start=start, stop=stop)
+
+
+def _places(samples: Samples) -> NDArray[np.int64] | None:
+    """Return the samples' places on the grid of intervals, the first one's 0; None where none is missing."""
+    if samples.time_s is not None:
+        steps = (samples.time_s - samples.time_s[0]) / samples.sampling.interval_s
+        rounded: NDArray[np.int64] = np.rint(steps).astype(np.int64)
+        return rounded
+    if samples.index is None:
+        return None
+    places: NDArray[np.int64] = samples.index - samples.index[0]
+    return places
 
 
 def _stretches(samples: Samples, context: Context) -> tuple[Stretch, ...]:
@@ -166,10 +190,16 @@ def _used(stretches: tuple[Stretch, ...], context: Context) -> Stretch:
     if not stretches:
         raise InsufficientDataError(f"{context.case_name}: the record has no samples")
     if len(stretches) > 1 and context.case.gaps is Gaps.REFUSE:
+        gaps = len(stretches) - 1
         places = ", ".join(str(one.stop - 1) for one in stretches[:-1][:3])
-        more = "" if len(stretches) <= 4 else f" and {len(stretches) - 4} more"
+        more = f" and {gaps - 3} more" if gaps > 3 else ""
+        found = (
+            "1 gap in the record, after sample"
+            if gaps == 1
+            else f"{gaps} gaps in the record, after samples"
+        )
         raise InsufficientDataError(
-            f"{context.case_name}: {len(stretches) - 1} gaps in the record, after samples {places}{more}"
+            f"{context.case_name}: {found} {places}{more}"
             f"{_reasons(context)}; with 'gaps: longest_stretch' the longest part is used"
         )
     return max(stretches, key=lambda one: one.size)
@@ -226,7 +256,8 @@ def _refuse_lifeless(values: NDArray[np.float64], sampling: Sampling, start: int
     spread = float(values.std(ddof=1))
     if sampling.noise is not None and spread < _METER_MARGIN * sampling.noise:
         raise InsufficientDataError(
-            f"signal not distinguishable from the meter: its standard deviation is {spread:.3g}"
-            f" {sampling.unit}, the meter's own noise {sampling.noise:.3g} {sampling.unit}"
+            f"signal not distinguishable from the meter: its standard deviation is"
+            f" {engineering(spread, sampling.unit)},"
+            f" the meter's own noise {engineering(sampling.noise, sampling.unit)}"
             f" (at least {_METER_MARGIN:g} times that is expected); is the gyro connected and powered?"
         )

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.procedures.static.record import StaticRecord
+from gyrotest.procedures.static.wording import engineering, plain
 from gyrotest.records.figure import Band, Bars, Curve, Figure, Panel, Role, Width
 
 _MOST_BINS = 900
@@ -70,19 +71,19 @@ def record_figure(record: StaticRecord) -> Figure:
         note=_record_note(record),
         caption=f"Output rate; {drawn} (none hidden); line: their mean."
         + (
-            f" Bottom: means of {_panel_mean_s(record):g} s; dotted: mean of the record."
+            f" Bottom: means of {plain(_panel_mean_s(record), 6)} s; dotted: mean of the record."
             if len(panels) > 1
             else ""
         ),
-        alt=f"Rate over {record.duration_s:g} s between {bins.lowest.min():.4g} and"
-        f" {bins.highest.max():.4g} °/s, mean {mean:.5g} °/s",
+        alt=f"Rate over {plain(record.duration_s, 6)} s between {plain(float(bins.lowest.min()), 4)} and"
+        f" {plain(float(bins.highest.max()), 4)} °/s, mean {plain(mean, 5)} °/s",
     )
 
 
 def _record_note(record: StaticRecord) -> str:
     parts = [
         f"{record.rate_dps.size:,} samples".replace(",", "\N{NARROW NO-BREAK SPACE}"),
-        f"every {record.interval_s:g} s",
+        f"every {engineering(record.interval_s, 's', 4)}",
         f"{record.missing} missing",
     ]
     return ", ".join([*parts, record.condition] if record.condition else parts)
@@ -122,7 +123,7 @@ def _mean_panels(record: StaticRecord, rate: Unit, time: Unit, mean: float) -> t
     means = record.rate_dps[: count * size].reshape(count, size).mean(axis=1)
     x = _drawn(_middles(record, count, size), time)
     panel = Panel(
-        y_label=f"{mean_s:g} s mean / ({rate.name})",
+        y_label=f"{plain(mean_s, 4)} s mean / ({rate.name})",
         x_label=f"Time / {time.name}",
         height=0.7,
         curves=(
@@ -156,7 +157,7 @@ def histogram_figure(record: StaticRecord) -> Figure:
     normal = (
         np.exp(-0.5 * (grid / deviation) ** 2) / (deviation * math.sqrt(2.0 * math.pi)) / unit.factor
     )
-    sigma = f"σ = {deviation * unit.factor:.4g} {unit.name}"
+    sigma = f"σ = {plain(deviation * unit.factor, 4)} {unit.name}"
     return Figure(
         name="residuals",
         title="Residual histogram",

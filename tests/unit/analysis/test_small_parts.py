@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.signal import lfilter
 
 from gyrotest.analysis.continuity import (
     Stretch,
@@ -13,9 +14,10 @@ from gyrotest.analysis.continuity import (
     stretches_by_time,
     stuck_stretch,
 )
-from gyrotest.analysis.dead_time import dead_time_correction, white_noise_inflation
+from gyrotest.analysis.dead_time import _inflation, dead_time_correction, white_noise_inflation
 from gyrotest.analysis.earth import EARTH_RATE_DPS, earth_share_dps
 from gyrotest.analysis.interval import chi_square_quantile, coverage_factor, deviation_bounds
+from gyrotest.analysis.resolution import digital_step, mean_half_width
 
 
 def test_ten_line_cycles_of_60_hz_once_a_second_inflate_by_2_45() -> None:
@@ -23,20 +25,42 @@ def test_ten_line_cycles_of_60_hz_once_a_second_inflate_by_2_45() -> None:
 
 
 def test_dead_time_is_corrected_only_for_a_wide_enough_bandwidth() -> None:
-    wide = dead_time_correction(aperture_s=0.5, interval_s=1.0, reading_s=0.1, bandwidth_hz=50.0)
+    wide = dead_time_correction(reading_s=0.1, spacing_s=0.2, bandwidth_hz=50.0)
     assert wide is not None
     held_back = (1.0 - math.exp(-10.0 * math.pi)) / (10.0 * math.pi)
     assert wide.factor == pytest.approx(math.sqrt(0.5) / math.sqrt(1.0 - held_back))
-    assert wide.half_width == pytest.approx(1.0 / math.sqrt(1.0 - held_back) - 1.0)
+    assert wide.half_width == pytest.approx(1.0 - math.sqrt(1.0 - held_back))
     for bandwidth in (None, 5.0):
-        narrow = dead_time_correction(
-            aperture_s=0.5, interval_s=1.0, reading_s=0.1, bandwidth_hz=bandwidth
-        )
-        assert narrow is None
+        assert dead_time_correction(reading_s=0.1, spacing_s=0.2, bandwidth_hz=bandwidth) is None
+
+
+def test_the_correction_goes_to_nothing_with_the_dead_time() -> None:
+    gaps = (0.5, 0.1, 0.01, 1e-4, 0.0)
+    found = [dead_time_correction(reading_s=1.0 - gap, spacing_s=1.0, bandwidth_hz=5.0) for gap in gaps]
+    factors = [1.0 if one is None else one.factor for one in found]
+    assert factors == sorted(factors)
+    assert factors[3] == pytest.approx(1.0, abs=1e-6)
+    unknown = dead_time_correction(reading_s=0.99, spacing_s=1.0, bandwidth_hz=None)
+    assert unknown is not None
+    assert unknown.factor * (1.0 - unknown.half_width) == pytest.approx(math.sqrt(0.99))
+    assert unknown.factor * (1.0 + unknown.half_width) == pytest.approx(1.0)
+
+
+def test_the_correction_is_that_of_simulated_first_order_noise() -> None:
+    """Readings of 8 ms every 10 ms of noise with a time constant of 3 ms, in steps of 1 ms."""
+    random = np.random.default_rng(1)
+    white = random.standard_normal(10_000_000)
+    decay = math.exp(-1.0 / 3.0)
+    filtered = lfilter([1.0 - decay], [1.0, -decay], white).reshape(-1, 10)[:, :8].mean(axis=1)
+    apparent = np.std(filtered.reshape(-1, 200).mean(axis=1)) * math.sqrt(2000.0)
+    found = dead_time_correction(reading_s=0.008, spacing_s=0.01, bandwidth_hz=1000.0 / (6.0 * math.pi))
+    assert found is None  # 53 Hz is less than 1/(2 · 8 ms): not allowed, whatever the formula gives
+    exact = math.sqrt(_inflation(0.008, 0.01, 0.003))
+    assert apparent == pytest.approx(exact, rel=0.02)
 
 
 def test_without_dead_time_nothing_is_corrected_whatever_the_bandwidth() -> None:
-    whole = dead_time_correction(aperture_s=1.0, interval_s=1.0, reading_s=1.0, bandwidth_hz=None)
+    whole = dead_time_correction(reading_s=1.0, spacing_s=1.0, bandwidth_hz=None)
     assert whole is not None
     assert (whole.factor, whole.half_width) == (1.0, 0.0)
 
@@ -120,3 +144,18 @@ def test_coarse_counts_repeat_themselves_without_being_stuck() -> None:
     assert stuck_stretch(counts) is None
     counts[500:800] = 0.0
     assert stuck_stretch(counts) is not None
+
+
+def test_counts_show_their_step_and_fine_readings_none() -> None:
+    noise = np.random.default_rng(1).standard_normal(100_000)
+    assert digital_step(0.05 * np.rint(5.0 * noise)) == pytest.approx(0.05)
+    assert digital_step(noise) is None
+    assert digital_step(np.full(100, 2.5)) is None
+
+
+@pytest.mark.parametrize("deviation", [0.0, 0.1, 0.2, 0.3, 0.5])
+def test_no_mean_is_further_off_than_the_half_width_of_its_steps(deviation: float) -> None:
+    noise = deviation * np.random.default_rng(1).standard_normal(200_000)
+    errors = [np.mean(np.rint(offset + noise)) - offset for offset in np.linspace(0.0, 1.0, 21)]
+    bound = mean_half_width(1.0, deviation)
+    assert np.abs(errors).max() <= max(bound, 0.5 * (deviation == 0.0)) * 1.02 + 4.0 * deviation / 447.0

@@ -55,6 +55,7 @@ def static_context(**changes: Any) -> Context:
         datasheet={},
         accuracy=Accuracy(of_reading=quantity(35.0, "ppm"), of_range=quantity(5.0, "ppm")),
         site=SITE,
+        since_power_on_s=600.0,
     )
     return dataclasses.replace(plain, **changes)
 

@@ -8,7 +8,7 @@ import pytest
 from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.static import Static, StaticParameters
 from gyrotest.records.recording import Gap, SampleFlag, Samples
-from gyrotest.records.spec import Case, Gaps
+from gyrotest.records.spec import Case, Gaps, OutputKind
 from gyrotest.units import Quantity
 from tests.unit.procedures.bench import (
     by_name,
@@ -55,7 +55,7 @@ def test_a_gap_is_refused_and_named() -> None:
     index[1500:] += 7
     samples = samples_of(voltages(rates()).values[:, 0], index=index)
     text = refusal(samples, gaps=(Gap(after=1499, missing=7, reason="no reply to READ?"),))
-    assert "1 gaps in the record, after samples 1499 (no reply to READ?)" in text
+    assert "1 gap in the record, after sample 1499 (no reply to READ?)" in text
     assert "longest_stretch" in text
 
 
@@ -96,6 +96,33 @@ def test_too_short_a_stretch_is_refused() -> None:
 def test_a_window_beyond_the_record_is_refused() -> None:
     parameters = StaticParameters(window=(Quantity(0.0, "s"), Quantity(2.0, "h")))
     assert "ends beyond the record of 3600 s" in refusal(voltages(rates()), parameters=parameters)
+
+
+def test_a_window_counts_time_not_samples() -> None:
+    """Of a record with seven missing, 100 s from 25 min on are those after the gap."""
+    window = StaticParameters(
+        window=(Quantity(1507.0, "s"), Quantity(1607.0, "s")), smoothing=seconds(1.0)
+    )
+    for kind in ("index", "time"):
+        found = Static().reduce(
+            gapped()[kind], static_context(parameters=window, case=static_case(mounting=None))
+        )
+        assert by_name(found.results)["bias"].value == pytest.approx(rates()[1500:1600].mean())
+    late = StaticParameters(window=(Quantity(0.0, "s"), Quantity(3608.0, "s")))
+    assert "ends beyond the record of 3607 s" in refusal(gapped()["index"], parameters=late)
+
+
+@pytest.mark.parametrize(("unit", "kind"), [("V", OutputKind.RATE), ("deg/s", OutputKind.VOLTAGE)])
+def test_a_source_of_another_kind_than_the_output_is_refused(unit: str, kind: OutputKind) -> None:
+    samples = samples_of(rates(), sampling=meter_sampling(unit=unit, noise=None))
+    output = voltage_output(
+        kind=kind,
+        scale_factor=None if kind is OutputKind.RATE else Quantity(1.0, "V/(deg/s)"),
+        zero_rate=None,
+    )
+    assert f"the spec's output is a {kind.value}: correct 'output.kind'" in refusal(
+        samples, output=output
+    )
 
 
 def test_a_voltage_without_a_scale_factor_is_refused() -> None:

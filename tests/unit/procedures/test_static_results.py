@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import re
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from gyrotest.records.spec import Between, Limit, Output, OutputKind
 from gyrotest.units import Quantity
 from tests.unit.analysis.generator import DPH, gyro_noise
 from tests.unit.procedures.bench import (
+    NOISE,
     by_name,
     meter_sampling,
     rates,
@@ -61,10 +63,11 @@ def test_an_unknown_mounting_leaves_the_earths_rate_in_the_uncertainty() -> None
 def test_the_budget_is_complete_and_adds_up() -> None:
     bias = reduced(rates())["bias"]
     by_source = {one.source.split(",")[0]: one.standard_uncertainty for one in bias.budget}
-    assert len(bias.budget) == 4
+    assert len(bias.budget) == 5
     volts = 2.5 + 0.05 * 0.2
     reading = next(one for one in bias.budget if "of reading" in one.source)
     assert reading.standard_uncertainty == pytest.approx(35e-6 * volts / 0.05 / math.sqrt(3), rel=1e-2)
+    assert (reading.half_width, reading.sensitivity) == ("88 µV", "20 (°/s)/V")
     assert by_source["scale factor"] == pytest.approx(0.005 * 0.2 / math.sqrt(3), rel=0.1)
     combined = math.sqrt(sum(one.standard_uncertainty**2 for one in bias.budget))
     assert bias.expanded_uncertainty == pytest.approx((bias.coverage_factor or 0.0) * combined)
@@ -76,6 +79,70 @@ def test_what_is_not_known_is_not_included() -> None:
     found = reduced(rates(), accuracy=None, output=voltage_output(scale_factor_uncertainty=None))
     assert found["bias"].not_included == ("accuracy of the meter", "uncertainty of the scale factor")
     assert found["allan_minimum"].not_included == found["bias"].not_included
+    unknown = reduced(rates(), since_power_on_s=None)["bias"]
+    assert unknown.not_included == ("drift before the record (time of power-on not known)",)
+
+
+def test_a_small_error_of_pointing_is_in_the_budget() -> None:
+    earth = reduced(rates())["bias"].budget[-1]
+    half_dph = 15.041 * (math.cos(math.radians(42.0 - 1.0)) - math.cos(math.radians(42.0)))
+    assert earth.source == "Earth's share, axis within 1°"
+    assert earth.standard_uncertainty * 3600.0 == pytest.approx(half_dph / math.sqrt(3.0), rel=0.02)
+
+
+def test_coarse_steps_without_noise_are_in_the_budget_and_dithered_ones_are_not() -> None:
+    sampling = meter_sampling(unit="deg/s", noise=None)
+    for step, source in ((0.05, "resolution, steps of 0.05 °/s"), (0.01, None)):
+        values = np.rint(rates() / step) * step
+        context = static_context(output=Output(kind=OutputKind.RATE), accuracy=None)
+        bias = by_name(Static().reduce(samples_of(values, sampling=sampling), context).results)["bias"]
+        found = [one for one in bias.budget if one.source.startswith("resolution")]
+        assert [one.source for one in found] == ([source] if source else [])
+        if found:
+            assert found[0].standard_uncertainty == pytest.approx(0.025 / math.sqrt(3.0), rel=0.6)
+            assert (found[0].sensitivity, found[0].kind) == ("1", "B")
+
+
+def test_texts_have_plain_digits() -> None:
+    for rate in (rates(), 100.0 * rates() - 20.0):
+        reduction = Static().reduce(voltages(rate), static_context())
+        texts = [one.condition for one in reduction.results]
+        for result in reduction.results:
+            texts += [
+                text for one in result.budget for text in (one.source, one.half_width, one.sensitivity)
+            ]
+        for figure in reduction.figures:
+            texts += [figure.note, figure.caption, figure.alt, *(panel.note for panel in figure.panels)]
+            texts += [mark.label for panel in figure.panels for mark in panel.marks]
+        assert not [text for text in texts if re.search(r"[0-9]e[+-]?[0-9]", text)]
+    found = reduced(rates())
+    assert found["bias_stability_1s"].condition.startswith("3600 averages, ")
+    assert found["bias_stability_100s"].condition.endswith("d.o.f.")
+
+
+def test_identical_repeats_have_no_spread() -> None:
+    with pytest.raises(InsufficientDataError, match="same bias to the last digit"):
+        Static().reduce_repeats(repeats_of([0.1, 0.1, 0.1]), static_context())
+
+
+def test_a_low_pass_filter_is_no_bias_stability() -> None:
+    """A filter of 20 s makes the curve fall towards short times, below its true floor."""
+    rate = gyro_noise(20_000, angle_random_walk=30 * DPH, bias_instability=20 * DPH, seed=3)
+    plain, smooth = np.empty_like(rate), 0.0
+    for place, one in enumerate(rate):
+        smooth += (one - smooth) / 40.0
+        plain[place] = smooth
+    minimum = reduced(plain + 1e-6 * np.random.default_rng(1).standard_normal(rate.size))[
+        "allan_minimum"
+    ]
+    assert minimum.value is not None
+    assert minimum.value > 0.664 * 20.0 * 0.6
+
+
+def test_a_curve_that_rises_from_its_first_point_on_has_an_upper_bound() -> None:
+    rate = gyro_noise(3600, angle_random_walk=0.01 * DPH, rate_random_walk=5 * DPH, seed=2)
+    minimum = reduced(rate)["allan_minimum"]
+    assert (minimum.at_most, minimum.lower_95) == (True, 0.0)
 
 
 def test_an_inverted_gyro_has_the_same_figures_and_positive_spreads() -> None:
@@ -101,6 +168,27 @@ def test_a_rate_output_needs_no_scale_factor_and_may_have_one() -> None:
         bias = by_name(found.results)["bias"]
         assert bias.value == pytest.approx(rate.mean() - EARTH_DPS)
         assert bias.not_included == ("uncertainty of the scale factor",)
+        (given,) = [one for one in bias.budget if one.kind == "A"]
+        assert given.sensitivity == "1"
+
+
+def test_a_rate_output_has_its_zero_rate_and_its_sources_accuracy_in_degrees_per_second() -> None:
+    rate = rates()
+    output = Output(
+        kind=OutputKind.RATE,
+        scale_factor=Quantity(-0.99, ""),
+        scale_factor_uncertainty=Quantity(0.5, "%"),
+        zero_rate=Quantity(36.0, "deg/min"),
+    )
+    sampling = meter_sampling(unit="deg/s", noise=None, range=250.0)
+    samples = samples_of(0.6 - 0.99 * rate, sampling=sampling)
+    context = static_context(output=output)
+    bias = by_name(Static().reduce(samples, context).results)["bias"]
+    assert bias.value == pytest.approx(rate.mean() - EARTH_DPS)
+    assert bias.not_included == ()
+    of_range = next(one for one in bias.budget if "of range" in one.source)
+    assert of_range.standard_uncertainty == pytest.approx(5e-6 * 250.0 / 0.99 / math.sqrt(3.0))
+    assert (of_range.half_width, of_range.sensitivity) == ("4.5 °/h", "1.01")
 
 
 def test_smoothing_counts_from_its_start_and_the_window_bounds_all() -> None:
@@ -150,7 +238,7 @@ def test_dead_time_is_corrected_and_said() -> None:
     corrected, apparent = found["angle_random_walk"], found["angle_random_walk_apparent"]
     assert apparent.value == pytest.approx(0.5 * math.sqrt(6.0), rel=0.05)
     assert corrected.value == pytest.approx(0.5, rel=0.05)
-    assert "corrected for dead time" in corrected.condition
+    assert "dead time corrected, duty 0.167" in corrected.condition
     for name in ("angle_random_walk_apparent", "bias_stability_10s", "allan_minimum"):
         assert "duty 0.167" in found[name].condition
 
@@ -172,17 +260,24 @@ def test_dead_time_that_cannot_be_corrected_never_passes(bandwidth: Quantity | N
     assert "bandwidth must exceed 3 Hz" in judged.reason
 
 
-def test_truth_is_recovered_as_the_uncertainties_say() -> None:
+@pytest.mark.parametrize(
+    ("walk_dph", "since_s"), [(0.0, 600.0), (0.0, 4200.0), (0.05, 600.0), (0.1, 7800.0), (0.3, 600.0)]
+)
+def test_truth_is_recovered_as_the_uncertainties_say(walk_dph: float, since_s: float) -> None:
     """Every unit with its own bias, scale factor, meter errors, warm-up drift and noise."""
     bias_z, walk_z = [], []
+    truth = {**NOISE, "rate_random_walk": walk_dph * DPH}
     for seed in range(40):
         random = np.random.default_rng(seed)
-        bias, drift = 0.15 * random.standard_normal(), 0.05 * np.exp(-(600.5 + np.arange(3600)) / 240.0)
-        rate = rates(seed) - 0.2 + bias + drift + EARTH_DPS
+        bias = 0.15 * random.standard_normal()
+        drift = 0.05 * np.exp(-(since_s + 0.5 + np.arange(3600)) / 240.0)
+        noise = gyro_noise(3600, since_power_on_s=since_s, seed=1000 + seed, **truth)
+        rate = noise + bias + drift + EARTH_DPS
         scale = 0.05 * (1.0 + random.uniform(-0.005, 0.005))
         volts = 2.5 + scale * rate
         volts += 35e-6 * random.uniform(-1, 1) * 2.5 + 50e-6 * random.uniform(-1, 1)
-        found = by_name(Static().reduce(samples_of(volts), static_context()).results)
+        context = static_context(since_power_on_s=since_s)
+        found = by_name(Static().reduce(samples_of(volts), context).results)
         measured = found["bias"]
         u = (measured.expanded_uncertainty or 0.0) / (measured.coverage_factor or 1.0)
         bias_z.append(((measured.value or 0.0) - bias - drift.mean()) / u)

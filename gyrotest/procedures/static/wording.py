@@ -1,0 +1,31 @@
+"""Numbers inside texts: plain digits, engineering prefixes, never an exponent."""
+
+import math
+from decimal import Decimal
+
+from gyrotest.units import printed_unit
+
+_PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k"}
+_PREFIXED = ("V", "s", "Hz")
+_WHOLE_FROM = 10.0
+
+
+def plain(value: float, digits: int) -> str:
+    """Return a number rounded to so many significant digits, without an exponent: `2530`."""
+    return f"{Decimal(f'{value:.{digits}g}').normalize():f}"
+
+
+def engineering(value: float, unit: str, digits: int = 2) -> str:
+    """Return a quantity in the prefixed unit that suits it: `88 µV`; other units than V, s, Hz as they are."""
+    name = printed_unit(unit)
+    if unit not in _PREFIXED or value == 0.0:
+        return f"{plain(value, digits)} {name}"
+    rounded = float(f"{value:.{digits}g}")
+    thousands = 3 * math.floor(math.log10(abs(rounded)) / 3 + 1e-9)
+    power = min(max(thousands, min(_PREFIXES)), max(_PREFIXES))
+    return f"{plain(rounded / 10.0**power, digits)} {_PREFIXES[power]}{name}"
+
+
+def freedom(degrees: float) -> str:
+    """Return degrees of freedom: whole from ten on."""
+    return f"{plain(float(round(degrees)), 3) if degrees >= _WHOLE_FROM else plain(degrees, 2)} d.o.f."
