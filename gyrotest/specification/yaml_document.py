@@ -1,7 +1,7 @@
 """YAML files → plain Python with the line of every key; what cannot be read is refused with its line."""
 
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,8 @@ from gyrotest.errors import DocumentError, Fault
 from gyrotest.specification.yaml_tree import DEEPEST, KeyPath, TooDeepError, TreeBuilder, dotted, shown
 
 LARGEST_BYTES = 256 * 1024
+# More anchors and references than this are told as one fault: nobody reads a thousand laughs.
+_MOST_ANCHORS = 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,10 +48,19 @@ def read_yaml(path: Path, error: type[DocumentError]) -> YamlDocument:
     except TooDeepError as fault:
         message = f"nested deeper than {DEEPEST} levels; is a bracket not closed?"
         raise error([Fault(str(path), fault.line, "", message)]) from None
+    if len(builder.anchors) > _MOST_ANCHORS:
+        raise error([_of_many(builder.anchors)])
     if not isinstance(tree, dict):
         raise error([*builder.plain_faults(), _no_mapping(str(path), tree)])
     digest = hashlib.sha256(raw).hexdigest()
     return YamlDocument(str(path), digest, tree, builder.lines, tuple(builder.faults))
+
+
+def _of_many(faults: list[Fault]) -> Fault:
+    """The first of many of a kind, which says how many more there are."""
+    return replace(
+        faults[0], message=f"{faults[0].message}; the same is true of {len(faults) - 1} more below"
+    )
 
 
 def _read(path: Path, error: type[DocumentError]) -> bytes:

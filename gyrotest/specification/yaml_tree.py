@@ -54,6 +54,7 @@ class TreeBuilder:
         self._depth = 0
         self.lines: dict[KeyPath, int] = {}
         self.faults: list[tuple[KeyPath, Fault]] = []
+        self.anchors: list[Fault] = []
 
     def plain_faults(self) -> list[Fault]:
         """Return the faults found so far."""
@@ -126,12 +127,15 @@ class TreeBuilder:
         return found
 
     def _refuse_marks(self, event: Any, key: KeyPath) -> None:
-        if isinstance(event, yaml.AliasEvent):
-            self._fault(
-                key, event, f"a reference ('*{event.anchor}') is not allowed; write the value out"
+        anchor = getattr(event, "anchor", None)
+        if anchor:
+            mark = (
+                f"a reference ('*{anchor}')"
+                if isinstance(event, yaml.AliasEvent)
+                else f"an anchor ('&{anchor}')"
             )
-        elif getattr(event, "anchor", None):
-            self._fault(key, event, f"an anchor ('&{event.anchor}') is not allowed; write the value out")
+            self._fault(key, event, f"{mark} is not allowed; write the value out")
+            self.anchors.append(self.faults[-1][1])
         if getattr(event, "tag", None):
             self._fault(key, event, f"a tag ('{event.tag}') is not allowed; write plain values")
 

@@ -119,6 +119,9 @@ def test_a_billion_laughs_are_not_laughed(tmp_path: Path) -> None:
     lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x]"]
     lines += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 12)]
     began = time.process_time()
-    document = read_yaml(written(tmp_path, "\n".join(lines)), SpecError)
-    assert len(document.faults) == 12 + 11 * 9
+    with pytest.raises(
+        SpecError, match=r"1: a0: an anchor .*; the same is true of 110 more below"
+    ) as raised:
+        read_yaml(written(tmp_path, "\n".join(lines)), SpecError)
+    assert len(raised.value.faults) == 1
     assert time.process_time() - began < 2.0
