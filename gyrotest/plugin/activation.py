@@ -11,6 +11,7 @@ from gyrotest.plugin.collection import Collection
 from gyrotest.plugin.completion import Completion
 from gyrotest.plugin.distribution import install_distribution, runs_of_worker
 from gyrotest.plugin.execution import Execution
+from gyrotest.plugin.omissions import Omissions
 from gyrotest.plugin.progress import progress_for
 from gyrotest.plugin.prompt import Prompt
 from gyrotest.plugin.session import GYRO, GyroSession
@@ -45,11 +46,11 @@ def activate(config: pytest.Config) -> None:
     config.stash[GYRO] = session
     from gyrotest.plugin import fixtures
 
-    for plugin in (fixtures, Collection(session), Execution(session), Completion(session)):
+    omissions = Omissions(session)
+    completion = Completion(session, omissions)
+    for plugin in (fixtures, Collection(session), Execution(session), omissions, completion):
         config.pluginmanager.register(plugin)
     install_distribution(config, session)
-    if not session.observes_only:
-        install_signals(config)
 
 
 def _session(config: pytest.Config) -> GyroSession:
@@ -67,6 +68,8 @@ def _session(config: pytest.Config) -> GyroSession:
     )
     if observes_only:
         return session
+    install_signals(config)
+    config.add_cleanup(session.close_bench)
     if worker is not None:
         session.take_runs([(RunFolder(path), RunFolder(path).header()) for path in worker])
         return session
@@ -89,7 +92,9 @@ def _open_runs(request: Request) -> list[tuple[RunFolder, RunHeader]]:
 
 def _observes_only(config: pytest.Config) -> bool:
     """Whether pytest only shows something and runs no test."""
-    names = ("collectonly", "showfixtures", "show_fixtures_per_test", "setupplan")
+    names = (
+        "collectonly", "showfixtures", "show_fixtures_per_test", "setupplan", "markers", "cacheshow",
+    )  # fmt: skip
     return any(config.getoption(name, default=False) for name in names)
 
 
@@ -105,7 +110,7 @@ def _request(config: pytest.Config, *, observes_only: bool) -> Request:
         spec=spec,
         station=station,
         serial_numbers=serial_numbers,
-        out=_from_invocation(config, option.gyro_out or config.getini("gyro_out")),
+        out=_out(config),
         operator=option.gyro_operator or config.getini("gyro_operator"),
         meta=_meta(option.gyro_meta),
         command=" ".join(["pytest", *(str(one) for one in config.invocation_params.args)]),
@@ -135,7 +140,8 @@ def _station_path(config: pytest.Config) -> Path:
         or "simulated"
     )
     spec_dir = config.rootpath / config.getini("gyro_spec_dir")
-    return find_station(name, (config.invocation_params.dir, spec_dir / "stations", spec_dir)).resolve()
+    folders = (config.invocation_params.dir, config.rootpath, spec_dir / "stations", spec_dir)
+    return find_station(name, folders).resolve()
 
 
 def _serial_numbers(given: str | None, *, observes_only: bool) -> tuple[str, ...]:
@@ -173,6 +179,14 @@ def _choice(config: pytest.Config) -> SimulationChoice:
 def _one_after_another(config: pytest.Config) -> bool:
     """Whether units may be swapped between the runs: somebody is there to do it, or was said to be."""
     return bool(config.option.gyro_yes) or Prompt.possible(config)
+
+
+def _out(config: pytest.Config) -> Path:
+    """The option counts from where pytest was started, the ini file's entry from the ini file."""
+    if config.option.gyro_out:
+        return _from_invocation(config, config.option.gyro_out)
+    base = config.inipath.parent if config.inipath else config.invocation_params.dir
+    return (base / str(config.getini("gyro_out"))).resolve()
 
 
 def _from_invocation(config: pytest.Config, path: str) -> Path:

@@ -30,9 +30,9 @@ def judge_repeats(gyro_judgement: Any) -> None:
 class GyroItem(pytest.Function):
     """An item of the spec: its acquisition in setup, its judgement in the call."""
 
-    def reportinfo(self) -> tuple[Path, None, str]:
-        """Say where the item comes from: the spec."""
-        return self.path, None, self.name
+    def reportinfo(self) -> tuple[Path, int, str]:
+        """Say where the item comes from: the spec; pytest wants a line of whatever is skipped."""
+        return self.path, 0, self.name
 
 
 class SpecModule(pytest.Module):
@@ -72,27 +72,23 @@ class Collection:
             config.args.append(str(self._path))
 
     def _points_to_spec(self, config: pytest.Config, argument: str) -> bool:
-        path = (config.invocation_params.dir / argument.partition("::")[0]).resolve()
-        return path == self._path or path in self._path.parents
+        path = config.invocation_params.dir / argument.partition("::")[0]
+        return path.resolve() == self._path
 
     @pytest.hookimpl
     def pytest_collect_file(self, file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
         """Collect the spec that was asked for, and no other YAML file."""
-        if file_path != self._path:
+        if file_path.suffix != self._path.suffix or file_path.resolve() != self._path:
             return None
         if file_path.is_relative_to(parent.config.rootpath):
             return SpecModule.from_parent(parent, path=file_path)
         return SpecModule.from_parent(parent, path=file_path, nodeid=file_path.name)
 
     @pytest.hookimpl(wrapper=True, tryfirst=True)
-    def pytest_collection_modifyitems(
-        self, config: pytest.Config, items: list[pytest.Item]
-    ) -> Iterator[None]:
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> Iterator[None]:
         """Restore the plan's order among the spec's items after whatever shuffled them."""
         order = {item.nodeid: place for place, item in enumerate(items) if PLANNED in item.stash}
         yield
-        if config.getoption("failedfirst", default=False):
-            return
         places = [place for place, item in enumerate(items) if item.nodeid in order]
         ours = sorted((items[place] for place in places), key=lambda item: order[item.nodeid])
         for place, item in zip(places, ours, strict=True):

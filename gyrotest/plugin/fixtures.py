@@ -1,12 +1,12 @@
 """The fixtures: the acquisition behind the spec's items, and what a user's own tests may ask for."""
 
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable
 
 import pytest
 
 from gyrotest.plugin.collection import SERIAL_NUMBER, judge_item
 from gyrotest.plugin.own_tests import GyroAcquire, GyroInstrument, GyroVerify
+from gyrotest.plugin.properties import add_properties
 from gyrotest.plugin.session import GYRO, PLANNED, GyroSession
 from gyrotest.records.spec import Spec
 from gyrotest.records.station import Station
@@ -34,6 +34,7 @@ def gyro_judgement(request: pytest.FixtureRequest) -> Callable[[Acquired | None]
             attempt, not_met = judge_item(run, request.node.stash[PLANNED], acquired)
         except LackingError as lacking:
             pytest.skip(str(lacking))
+        add_properties(request.node, attempt.results)
         request.config.hook.pytest_gyro_judged(item=request.node, attempt=attempt)
         if not_met is not None:
             raise not_met
@@ -82,12 +83,11 @@ def gyro_acquire(
 @pytest.fixture
 def gyro_verify(
     request: pytest.FixtureRequest, gyro_session: GyroSession, gyro_serial: str
-) -> Iterator[Any]:
+) -> GyroVerify:
     """Judge a value like the spec's own: `gyro_verify('offset', 2.51, unit='V', max='2.6 V')`."""
-    verify = GyroVerify(gyro_session, gyro_serial, request.node)
+    verify = GyroVerify(gyro_session.runs[gyro_serial], request.node)
     request.node.stash[VERIFY] = verify
-    yield verify
-    verify.close()
+    return verify
 
 
 VERIFY = pytest.StashKey[GyroVerify]()

@@ -7,9 +7,9 @@ from typing import TypeVar
 import pytest
 
 from gyrotest.acquisition.acquire import Acquisition
-from gyrotest.acquisition.progress import Silence
 from gyrotest.conformity import judge, line
-from gyrotest.errors import InstrumentError
+from gyrotest.errors import AcquisitionError, GyrotestError, InstrumentError
+from gyrotest.plugin.properties import add_properties
 from gyrotest.plugin.session import GyroSession
 from gyrotest.recordings.reader import read_samples
 from gyrotest.records.plan import Plan
@@ -17,7 +17,9 @@ from gyrotest.records.recording import Block, Identity, RecordingHeader, Samples
 from gyrotest.records.result import JudgedResult, Measurand, Result, Verdict
 from gyrotest.records.run import Attempt, Outcome, PlannedItem
 from gyrotest.records.spec import DecisionRule, Limit
-from gyrotest.runner.bench import OpenSource
+from gyrotest.runner.bench import Bench, OpenSource
+from gyrotest.runner.flow import UnitRun
+from gyrotest.runner.folder import item_file_name
 from gyrotest.runner.items import Moment
 from gyrotest.units import Dimension, parse_quantity, same_dimension
 
@@ -86,47 +88,57 @@ class GyroAcquire:
 
     def __call__(self, *, duration: str, interval: str = "1 s") -> Samples:
         """Acquire and return the samples; raises `GyrotestError` where it cannot be finished."""
-        interval_s = parse_quantity(interval, Dimension.TIME).to("s")
-        samples = round(parse_quantity(duration, Dimension.TIME).to("s") / interval_s)
+        plan = _plan(duration, interval)
         self._count += 1
         run, bench = self._session.runs[self._serial_number], self._session.bench()
         opened = bench.source(run.header.slot, self._serial_number)
-        plan = Plan(warm_up_s=0.0, interval_s=interval_s, samples=samples)
         _stage(self._session, self._serial_number, self._item.nodeid, self._count, plan)
-        header = RecordingHeader(
+        try:
+            acquisition = Acquisition(
+                source=opened.source,
+                clock=bench.clock,
+                progress=self._session.progress,
+                run_folder=run.folder.path,
+                header=self._header(run, bench, opened, plan),
+                plan=plan,
+            )
+            recording = acquisition.run()
+        except GyrotestError:
+            bench.drop(opened)
+            raise
+        return read_samples(run.folder.path / recording.path)
+
+    def _header(self, run: UnitRun, bench: Bench, opened: OpenSource, plan: Plan) -> RecordingHeader:
+        item = item_file_name(f"{self._item.nodeid}-{self._count}")
+        return RecordingHeader(
             run_id=run.header.run_id,
-            item=f"{self._item.nodeid}-{self._count}",
-            attempt=len(run.folder.attempts(self._item.nodeid)) + 1,
+            item=item,
+            attempt=run.folder.next_recording(item),
             serial_number=self._serial_number,
             model=run.header.model,
             spec_sha256=run.header.spec.sha256,
             started_utc=bench.clock.utc(),
-            planned_samples=samples,
-            sampling=opened.source.configure(interval_s),
+            planned_samples=plan.samples,
+            sampling=opened.source.configure(plan.interval_s),
             source=opened.use.identity,
+            meta=run.header.meta,
         )
-        recording = Acquisition(
-            source=opened.source,
-            clock=bench.clock,
-            progress=Silence(),
-            run_folder=run.folder.path,
-            header=header,
-            plan=plan,
-        ).run()
-        return read_samples(run.folder.path / recording.path)
 
 
 class GyroVerify:
     """Judges values of a user's own test; all of them, before the test fails."""
 
-    def __init__(self, session: GyroSession, serial_number: str, item: pytest.Item) -> None:
-        self._run = session.runs[serial_number]
+    def __init__(self, run: UnitRun, item: pytest.Item) -> None:
+        self._run = run
         self._item = item
-        self._session = session
         self._results: list[JudgedResult] = []
         self._started = datetime.now(UTC)
-        self._number = len(self._run.folder.attempts(item.nodeid)) + 1
-        self._write(Outcome.INTERRUPTED)
+        self._outcome = Outcome.INTERRUPTED
+        before = run.folder.attempts(item.nodeid)
+        self._number = len(before) + 1
+        failed = [one for one in before if one.outcome is Outcome.FAILED]
+        self.failed_before = f"attempt {failed[-1].number} failed and stands" if failed else ""
+        self._write()
 
     def __call__(
         self,
@@ -140,14 +152,9 @@ class GyroVerify:
         decision: str = "simple",
     ) -> Verdict | None:
         """Put a value, in `unit`, on record and judge it; raises `GyrotestError` for a senseless limit."""
-        limit = Limit(
-            min=None if min is None else parse_quantity(min),
-            max=None if max is None else parse_quantity(max),
-            decision=DecisionRule(decision),
-        )
-        measurand = Measurand(
-            name=name, label=name.replace("_", " "), dimension=_dimension_of(unit), unit=unit
-        )
+        dimension = _dimension_of(unit)
+        limit = _limit(min, max, decision, dimension)
+        measurand = Measurand(name=name, label=name.replace("_", " "), dimension=dimension, unit=unit)
         result = Result(
             name=name,
             label=measurand.label,
@@ -156,28 +163,34 @@ class GyroVerify:
             expanded_uncertainty=expanded_uncertainty,
             condition="user's own test",
         )
-        judged = judge(
-            measurand, result, limit if min or max else None, case=self._item.name, repeat=None
-        )
+        judged = judge(measurand, result, limit, case=self._item.name, repeat=None)
         self._results.append(judged)
+        add_properties(self._item, [judged])
         return judged.verdict
 
     def not_met(self) -> list[str]:
         """A line for each limit that is not met."""
         return [line(one) for one in self._results if one.verdict not in {None, Verdict.PASS}]
 
-    def close(self, outcome: Outcome | None = None, message: str = "") -> None:
-        """Put the test on record with its outcome; without one it stays as it is."""
-        if outcome is not None:
-            self._write(outcome, message)
+    def close(self, outcome: Outcome, message: str) -> None:
+        """Put the test on record with its outcome."""
+        self._outcome = outcome
+        self._write(message)
 
-    def _write(self, outcome: Outcome, message: str = "") -> None:
+    def spoil(self, message: str) -> None:
+        """Something went wrong around the test: it does not stand as passed."""
+        if self._outcome is not Outcome.FAILED:
+            self.close(Outcome.ERROR, message)
+
+    def _write(self, message: str = "") -> None:
+        if self.failed_before:
+            return
         now = datetime.now(UTC)
         self._run.folder.write_attempt(
             Attempt(
                 item=self._item.nodeid,
                 number=self._number,
-                outcome=outcome,
+                outcome=self._outcome,
                 started_utc=self._started,
                 ended_utc=now,
                 issued_utc=now,
@@ -186,6 +199,34 @@ class GyroVerify:
                 results=tuple(self._results),
             )
         )
+
+
+def _plan(duration: str, interval: str) -> Plan:
+    interval_s = parse_quantity(interval, Dimension.TIME).to("s")
+    duration_s = parse_quantity(duration, Dimension.TIME).to("s")
+    samples = round(duration_s / interval_s) if interval_s > 0 else 0
+    if samples < 1 or abs(samples * interval_s - duration_s) > 1e-9 * duration_s:
+        raise AcquisitionError(
+            f"gyro_acquire: a duration of {duration} is no whole number of intervals of {interval}"
+        )
+    return Plan(warm_up_s=0.0, interval_s=interval_s, samples=samples)
+
+
+def _limit(low: str | None, high: str | None, decision: str, dimension: Dimension) -> Limit | None:
+    if decision not in set(DecisionRule):
+        raise GyrotestError(
+            f"gyro_verify: decision '{decision}' is not known; accepted: {', '.join(DecisionRule)}"
+        )
+    if low is None and high is None:
+        return None
+    limit = Limit(
+        min=None if low is None else parse_quantity(low),
+        max=None if high is None else parse_quantity(high),
+        decision=DecisionRule(decision),
+    )
+    if limit.min and limit.max and limit.min.to(dimension.value) > limit.max.to(dimension.value):
+        raise GyrotestError(f"gyro_verify: min {low} is more than max {high}; nothing could pass")
+    return limit
 
 
 def _stage(session: GyroSession, serial_number: str, name: str, count: int, plan: Plan) -> None:

@@ -54,13 +54,14 @@ class Reading:
 
 
 class LineProgress:
-    """A line now and then, for logs and pipes."""
+    """A line now and then, for logs and pipes; each on a line of its own, between pytest's."""
 
     def __init__(self, stream: IO[str], reading: Reading) -> None:
         self._stream = stream
         self._reading = reading
         self._header: RecordingHeader | None = None
         self._written = 0.0
+        self._among_pytests = True
 
     def begin(self, header: RecordingHeader) -> None:
         """An acquisition begins."""
@@ -81,12 +82,15 @@ class LineProgress:
 
     def note(self, text: str) -> None:
         """Write a line."""
-        self._stream.write(f"\n{text}")
+        before = "\n" if self._among_pytests else ""
+        self._stream.write(f"{before}{text}\n")
         self._stream.flush()
+        self._among_pytests = False
 
     def end(self) -> None:
-        """The acquisition is over."""
+        """The acquisition is over; pytest goes on with its own line."""
         self._header = None
+        self._among_pytests = True
 
 
 class LiveProgress:

@@ -30,13 +30,27 @@ class Prompt:
             raise AcquisitionError(
                 f"{text}: nobody is there to do it (no terminal); say --gyro-yes if it is done"
             )
+        if self._answer(f"\n{text}; then press Enter (or type 'stop'): ").strip().lower() in {
+            "stop",
+            "no",
+            "n",
+            "q",
+        }:
+            raise AcquisitionError(f"{text}: stopped by the operator")
+
+    def _answer(self, question: str) -> str:
         capture = self._config.pluginmanager.getplugin("capturemanager")
+        if capture is None:
+            return _asked(question)
         capture.suspend(in_=True)
         try:
-            answer = input(f"\n{text}; then press Enter (or type 'stop'): ")
-        except EOFError:
-            answer = "stop"
+            return _asked(question)
         finally:
             capture.resume()
-        if answer.strip().lower() in {"stop", "no", "n", "q"}:
-            raise AcquisitionError(f"{text}: stopped by the operator")
+
+
+def _asked(question: str) -> str:
+    try:
+        return input(question)
+    except EOFError:
+        return "stop"

@@ -45,7 +45,7 @@ class GyroSession:
                 confirm=self.prompt.confirm,
             )
             if not self.is_worker:
-                self.runs[header.serial_number].update_record()
+                self.runs[header.serial_number].note_progress()
 
     def bench(self) -> Bench:
         """The bench, opened and owned."""

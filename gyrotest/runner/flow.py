@@ -21,6 +21,8 @@ from gyrotest.runner.folder import RunFolder
 from gyrotest.runner.items import PlannedCase, moment, planned_case
 from gyrotest.runner.record import assemble, write_record
 
+NOT_ENDED = "the run has not ended"
+
 
 class LackingError(GyrotestError):
     """What is computed over the repeats lacks some of them."""
@@ -110,12 +112,27 @@ class UnitRun:
         write_record(self.folder, record)
         return record
 
+    def note_progress(self) -> None:
+        """Put `run.json` together as it stands in the middle of a run: INCOMPLETE, whatever passed."""
+        self.update_record(whole=NOT_ENDED)
+
     def certify(self, *, whole: str = "") -> tuple[RunRecord, Path]:
-        """Write the final record and the certificate."""
+        """Write the certificate, and then the record, which never says PASS without a certificate."""
         from gyrotest.certificate.pdf import write_certificate
 
-        record = self.update_record(whole=whole)
-        return record, write_certificate(record, self.folder.path)
+        record = assemble(self.folder, self.header, self.missing, whole=whole)
+        path = write_certificate(record, self.folder.path)
+        try:
+            write_record(self.folder, record)
+        except GyrotestError:
+            path.unlink()
+            raise
+        return record, path
+
+    def withdraw(self, certificate: Path, reason: str) -> tuple[RunRecord, Path]:
+        """Put an INCOMPLETE certificate in the place of one that was written just now."""
+        certificate.unlink()
+        return self.certify(whole=reason)
 
     def _standing(self, item: PlannedItem) -> Attempt | None:
         """The attempt that stands: nobody tests until it passes."""
@@ -294,7 +311,7 @@ class UnitRun:
             replace(
                 attempt,
                 outcome=Outcome.INTERRUPTED if interrupted else Outcome.ERROR,
-                message="" if interrupted else f"{fault}" or type(fault).__name__,
+                message=str(fault) if interrupted else f"{fault}" or type(fault).__name__,
                 issued_utc=datetime.now(UTC),
             )
         )

@@ -4,16 +4,20 @@ Each attempt is a small file of its own, so that several processes can work on o
 is put together from these files and from nothing else.
 """
 
+import hashlib
 import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cache
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from gyrotest.errors import CertificateError, RefusedError
+from gyrotest.recordings.layout import FOLDER as RECORDINGS
+from gyrotest.recordings.layout import recording_name
 from gyrotest.records.run import Attempt, ItemRecord, Outcome, PlannedItem, RunHeader
 
 if TYPE_CHECKING:
@@ -24,6 +28,7 @@ T = TypeVar("T")
 RECORD = "run.json"
 HEADER = "plan.json"
 ATTEMPTS = "attempts"
+_LONGEST = 120
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,13 +41,13 @@ class RunFolder:
     def create(cls, out: Path, serial_number: str, model: str, started_utc: datetime) -> "RunFolder":
         """Make a new folder `<serial>/<UTC>-<model>`; two runs in one second get two folders."""
         stem = f"{started_utc:%Y%m%dT%H%M%SZ}-{safe_name(model)}"
-        for count in range(1, 1000):
-            path = out / serial_number / (stem if count == 1 else f"{stem}-{count}")
+        for number in range(1, 1000):
+            path = out / serial_number / (stem if number == 1 else f"{stem}-{number}")
             try:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.mkdir()
                 (path / ATTEMPTS).mkdir()
-                (path / "recordings").mkdir()
+                (path / RECORDINGS).mkdir()
             except FileExistsError:
                 continue
             except OSError as error:
@@ -62,16 +67,21 @@ class RunFolder:
 
     def write_attempt(self, attempt: Attempt) -> None:
         """Write, or replace, an attempt."""
-        name = f"{safe_name(attempt.item)}-a{attempt.number}.json"
+        name = f"{item_file_name(attempt.item)}-a{attempt.number}.json"
         data = _attempt_adapter().dump_python(attempt, mode="json")
         text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
         write_by_rename(self.path / ATTEMPTS / name, text.encode())
 
     def attempts(self, item: str) -> tuple[Attempt, ...]:
         """Every attempt at an item, oldest first."""
-        files = (self.path / ATTEMPTS).glob(f"{safe_name(item)}-a*.json")
+        files = (self.path / ATTEMPTS).glob(f"{item_file_name(item)}-a*.json")
         found = (_read(path, _attempt_adapter()) for path in files)
         return tuple(sorted((one for one in found if one.item == item), key=lambda one: one.number))
+
+    def next_recording(self, item: str) -> int:
+        """Return the number of the first attempt at an item that has no recording yet."""
+        names = {path.name.removesuffix(".parquet") for path in (self.path / RECORDINGS).iterdir()}
+        return next(number for number in count(1) if recording_name(item, number) not in names)
 
     def unplanned(self, plan: tuple[PlannedItem, ...]) -> tuple[PlannedItem, ...]:
         """Items that were attempted beside the plan: a user's own tests."""
@@ -107,7 +117,7 @@ def _item_record(
         return ItemRecord(plan=plan, missing=missing.get(plan.name, "not run"))
     last = attempts[-1]
     if last.outcome not in _UNFINISHED:
-        return ItemRecord(plan=plan, attempts=attempts, missing=missing.get(plan.name, ""))
+        return ItemRecord(plan=plan, attempts=attempts)
     reason = ": ".join(part for part in (_UNFINISHED[last.outcome], last.message) if part)
     return ItemRecord(plan=plan, attempts=attempts, missing=reason)
 
@@ -115,6 +125,14 @@ def _item_record(
 def safe_name(text: str) -> str:
     """The text with everything but letters, digits, `.`, `_` and `-` replaced."""
     return "".join(one if one.isascii() and (one.isalnum() or one in "._-") else "_" for one in text)
+
+
+def item_file_name(item: str) -> str:
+    """A file name for an item; one for each, also where items differ only in what names may not hold."""
+    plain = safe_name(item)
+    if plain == item and len(item) <= _LONGEST:
+        return item
+    return f"{plain[:_LONGEST]}-{hashlib.sha256(item.encode()).hexdigest()[:8]}"
 
 
 def write_by_rename(path: Path, data: bytes) -> None:

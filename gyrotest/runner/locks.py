@@ -5,7 +5,7 @@ import hashlib
 import os
 import tempfile
 from collections.abc import Iterable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 from filelock import FileLock, Timeout
@@ -23,13 +23,18 @@ class ResourceLocks:
     def acquire(self, resources: Iterable[str]) -> None:
         """Lock every resource; raises `RefusedError` and releases all if one is taken."""
         folder = Path(tempfile.gettempdir()) / "gyrotest-locks"
-        folder.mkdir(mode=0o777, exist_ok=True)
+        try:
+            folder.mkdir(exist_ok=True)
+        except OSError as error:
+            raise RefusedError(f"{folder}: locks cannot be made there ({error.strerror})") from error
+        with suppress(OSError):  # it is another user's, who has opened it to all
+            folder.chmod(0o777)
         for resource in sorted(set(resources)):
             self._acquire_one(folder, resource)
 
     def _acquire_one(self, folder: Path, resource: str) -> None:
         name = hashlib.sha256(resource.strip().upper().encode()).hexdigest()[:24]
-        lock = FileLock(folder / f"{name}.lock", timeout=0)
+        lock = FileLock(folder / f"{name}.lock", timeout=0, mode=0o666)
         owner_file = folder / f"{name}.owner"
         try:
             self._held.enter_context(lock)
@@ -44,11 +49,19 @@ class ResourceLocks:
             raise RefusedError(
                 f"{folder}: the lock of {resource} cannot be made ({error.strerror})"
             ) from error
-        owner_file.write_text(self._owner, encoding="utf-8")
+        _write(owner_file, self._owner)
 
     def release(self) -> None:
         """Give everything back."""
         self._held.close()
+
+
+def _write(path: Path, text: str) -> None:
+    """Replace a file that may be another user's; the lock holds without it."""
+    aside = path.with_name(f"{path.name}.{os.getpid()}")
+    with suppress(OSError):
+        aside.write_text(text, encoding="utf-8")
+        aside.replace(path)
 
 
 def _read(path: Path) -> str:
