@@ -58,7 +58,7 @@ def _statistical(record: StaticRecord, model: NoiseModel, context: Context) -> C
         model, duration_s=record.duration_s, since_power_on_s=since_s + record.begin_s
     )
     return Contribution(
-        source=f"noise and drift, Allan deviation carried to {plain(record.duration_s, 6)} s",
+        source=f"noise and drift over {plain(record.duration_s, 6)} s",
         kind="A",
         distribution="normal",
         half_width="",

@@ -151,7 +151,7 @@ def histogram_figure(record: StaticRecord) -> Figure:
     mean, deviation = float(record.rate_dps.mean()), float(record.rate_dps.std(ddof=1))
     unit = rate_unit(4.0 * deviation)
     half = max(abs(float(record.rate_dps.max()) - mean), abs(float(record.rate_dps.min()) - mean))
-    edges = np.linspace(-half, half, _HISTOGRAM_BINS + 1)
+    edges = _edges(record, mean, half)
     heights = _densities(record.rate_dps, mean, edges) / unit.factor
     grid = np.linspace(-half, half, 121)
     normal = (
@@ -174,6 +174,18 @@ def histogram_figure(record: StaticRecord) -> Figure:
         caption="Samples less their mean; curve: normal distribution of the same σ.",
         alt=f"Histogram of the residuals, {sigma}",
     )
+
+
+def _edges(record: StaticRecord, mean: float, half: float) -> NDArray[np.float64]:
+    """Return the bins' edges: of a digitised record each bin holds as many steps, or it would look like a comb."""
+    if record.step_dps is None:
+        return np.linspace(-half, half, _HISTOGRAM_BINS + 1)
+    steps = max(math.ceil(2.0 * half / record.step_dps / _HISTOGRAM_BINS), 1)
+    width = steps * record.step_dps
+    between = float(record.rate_dps[0]) - mean - 0.5 * record.step_dps
+    first = math.floor((-half - between) / width)
+    count = math.floor((half - between) / width) - first + 1
+    return np.asarray(between + width * np.arange(first, first + count + 1), dtype=np.float64)
 
 
 def _densities(

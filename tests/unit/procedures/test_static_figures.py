@@ -64,3 +64,13 @@ def test_the_histogram_has_the_area_one() -> None:
     bars = figures(rates())["residuals"].panels[0].bars
     assert bars is not None
     assert np.sum(np.diff(bars.edges) * bars.heights) == pytest.approx(1.0)
+
+
+def test_the_histogram_of_counts_is_no_comb() -> None:
+    """Each bin of a digitised record holds as many of its steps, whatever their number."""
+    rate = np.rint(np.random.default_rng(1).standard_normal(100_000) * 7.0) * 0.05
+    bars = figures(rate)["residuals"].panels[0].bars
+    assert bars is not None
+    assert np.sum(np.diff(bars.edges) * bars.heights) == pytest.approx(1.0)
+    middle = np.array(bars.heights)[np.abs(np.array(bars.edges[1:]) + np.array(bars.edges[:-1])) < 0.4]
+    assert middle.min() > 0.8 * middle.max()
