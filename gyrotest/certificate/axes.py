@@ -1,147 +1,135 @@
-"""Axes: the range that a figure shows, where its ticks stand, and where a value lies on the paper."""
+"""Axes: the range that a panel shows, its ticks with their numbers, and its labels."""
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from matplotlib.lines import Line2D
+from matplotlib.ticker import AutoLocator, LogLocator, NullLocator, ScalarFormatter
+from matplotlib.transforms import blended_transform_factory
+from numpy.typing import ArrayLike
 
-from gyrotest.certificate.numbers import plain
+from gyrotest.certificate.numbers import MINUS, plain
+from gyrotest.certificate.style import GRID, MINOR_GRID, POINTS
 from gyrotest.records.figure import Scale
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
-_MARGIN = 0.05
+_MARGIN, _LOG_MARGIN = 0.05, 0.03
 _NEARLY = 0.015
-_DECADES = 15  # as far down as a logarithmic axis is drawn
+_FEW_DECADES = 2.2  # up to which ticks within a decade get numbers as well
+_POWERS = (-3, 5)  # of ten, from which on numbers share a factor
+_GRID_WIDTH, _GRID_LAYER = 0.45, 0.5
+_LABEL_LEFT = 7.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Tick:
-    """A place on an axis; a minor one has no label."""
-
-    value: float
-    label: str = ""
+def lay_scales(axes: "Axes", x: Scale, y: Scale) -> None:
+    """Make the axes linear or logarithmic."""
+    axes.set(xscale=x.value, yscale=y.value)
+    axes.margins(x=_LOG_MARGIN if x is Scale.LOG else 0.0, y=_LOG_MARGIN if y is Scale.LOG else _MARGIN)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Axis:
-    """A range of values drawn from `begin` to `end`, in points of the paper."""
-
-    scale: Scale
-    low: float
-    high: float
-    begin: float
-    end: float
-    ticks: tuple[Tick, ...]
-    minor: tuple[float, ...] = ()
-    exponent: int = 0
-
-    def place(self, values: ArrayLike) -> NDArray[np.float64]:
-        """Return where values lie; what a logarithmic axis cannot show lies at its low end."""
-        given = np.asarray(values, dtype=np.float64)
-        return self.run(given if self.scale is Scale.LINEAR else np.maximum(given, self.low))
-
-    def run(self, values: ArrayLike) -> NDArray[np.float64]:
-        """Return where values lie, also beyond the axis's ends."""
-        given = np.asarray(values, dtype=np.float64)
-        if self.scale is Scale.LINEAR:
-            fraction = (given - self.low) / (self.high - self.low)
-        else:
-            fraction = np.log(given / self.low) / math.log(self.high / self.low)
-        return np.asarray(self.begin + fraction * (self.end - self.begin))
+def fit(frames: "Sequence[Axes]") -> None:
+    """Let the axes show all that was drawn, and lay their ticks."""
+    for axes in frames:
+        axes.autoscale_view()
+    _reach_ticks(frames[-1])
+    for axes in frames:
+        for axis in (axes.xaxis, axes.yaxis):
+            _lay_ticks(axis)
+            _rule(axes, axis)
 
 
-def axis(values: Iterable[float], scale: Scale, *, begin: float, end: float, tight: bool) -> Axis:
-    """Lay an axis over values; a tight one ends with them, another leaves a margin."""
-    numbers = [value for value in values if scale is Scale.LINEAR or value > 0]
-    length = abs(end - begin)
-    if scale is Scale.LOG:
-        low, high = _log_range(numbers)
-        ticks, minor = _log_ticks(low, high)
-        return Axis(scale=scale, low=low, high=high, begin=begin, end=end, ticks=ticks, minor=minor)
-    low, high = _linear_range(numbers, tight=tight)
-    step = _step(high - low, length / (42 if begin < end else 15))
-    if tight:
-        low, high = _to_ticks(low, high, step)
-    exponent = _common_exponent(low, high)
-    ticks = _linear_ticks(low, high, step, exponent)
-    return Axis(scale=scale, low=low, high=high, begin=begin, end=end, ticks=ticks, exponent=exponent)
+def write_y_label(axes: "Axes", label: str) -> None:
+    """Write what the y axis shows, at the paper's edge."""
+    edge = blended_transform_factory(axes.figure.dpi_scale_trans, axes.transAxes)
+    axes.yaxis.set_label_coords(_LABEL_LEFT / POINTS, 0.5, transform=edge)
+    axes.set_ylabel(_scaled(axes.yaxis, label), va="center")
+
+
+def write_x_label(axes: "Axes", label: str) -> None:
+    """Write what the shared x axis shows."""
+    axes.set_xlabel(_scaled(axes.xaxis, label))
+
+
+def log_label(value: float, _: object = None) -> str:
+    """The number at a tick of a logarithmic axis."""
+    power = math.floor(math.log10(value) + 1e-9)
+    if -4 < power <= 5:
+        return plain(float(value), digits=6)
+    digits = plain(float(value / 10.0**power), digits=3)
+    return times_ten(power) if digits == "1" else f"{digits}·{times_ten(power)}"
 
 
 def times_ten(exponent: int) -> str:
-    """The factor that an axis's label is to be read with."""
+    """A power of ten in print."""
     return f"10{str(exponent).translate(_SUPERSCRIPTS)}"
 
 
-def _linear_range(numbers: list[float], *, tight: bool) -> tuple[float, float]:
-    low, high = min(numbers, default=0.0), max(numbers, default=1.0)
-    if high - low <= 1e-12 * max(abs(low), abs(high)):
-        half = abs(low) * 0.1 or 1.0
-        return low - half, high + half
-    margin = 0.0 if tight else (high - low) * _MARGIN
-    # Bars and densities stand on the axis.
-    return (0.0 if low == 0 else low - margin), high + margin
+def _reach_ticks(axes: "Axes") -> None:
+    """Let a linear x axis that nearly reaches a tick end with it."""
+    if axes.get_xscale() != "linear":
+        return
+    ends = np.asarray(axes.get_xlim())
+    ticks = np.asarray(axes.xaxis.get_major_locator().tick_values(*ends))
+    nearest = ticks[np.abs(ticks[:, None] - ends).argmin(axis=0)]
+    near = np.abs(nearest - ends) < _NEARLY * np.ptp(ends)
+    axes.set_xlim(*np.where(near, nearest, ends))
 
 
-def _to_ticks(low: float, high: float, step: float) -> tuple[float, float]:
-    """Let an axis that nearly reaches a tick end with it."""
-    first, last = math.floor(low / step) * step, math.ceil(high / step) * step
-    near = _NEARLY * (high - low)
-    return (first if low - first < near else low), (last if last - high < near else high)
-
-
-def _log_range(numbers: list[float]) -> tuple[float, float]:
-    low, high = min(numbers, default=0.1), max(numbers, default=10.0)
-    low = max(low, high / 10**_DECADES)
-    span = max(math.log10(high / low), 0.3)
-    return low / 10 ** (0.03 * span), high * 10 ** (0.03 * span)
-
-
-def _step(span: float, wanted: float) -> float:
-    rough = span / max(wanted, 2.0)
-    power = 10.0 ** math.floor(math.log10(rough))
-    return next(step * power for step in _STEPS if step * power >= rough * (1 - 1e-9))
-
-
-def _common_exponent(low: float, high: float) -> int:
-    largest = max(abs(low), abs(high))
-    power = math.floor(math.log10(largest)) if largest else 0
-    return power if power >= 5 or power <= -3 else 0
-
-
-def _linear_ticks(low: float, high: float, step: float, exponent: int) -> tuple[Tick, ...]:
-    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-    values = [round(index * step, 12 - math.floor(math.log10(step))) for index in range(first, last + 1)]
-    shown = [value / 10.0**exponent for value in values]
-    decimals = max((len(f"{value:.9g}".partition(".")[2]) for value in shown if value), default=0)
-    if any("e" in f"{value:.9g}" for value in shown):
-        labels = [plain(one, digits=6) for one in shown]
+def _lay_ticks(axis: "Axis") -> None:
+    if axis.get_scale() == "log":
+        _lay_log_ticks(axis)
     else:
-        labels = [f"{one:.{decimals}f}".replace("-", "\N{MINUS SIGN}") for one in shown]
-    return tuple(Tick(value=value, label=label) for value, label in zip(values, labels, strict=True))
+        axis.set_major_locator(AutoLocator())
+        formatter = ScalarFormatter(useOffset=False)
+        formatter.set_powerlimits(_POWERS)
+        axis.set_major_formatter(formatter)
+        axis.offsetText.set_visible(False)  # the label says the factor
 
 
-def _log_ticks(low: float, high: float) -> tuple[tuple[Tick, ...], tuple[float, ...]]:
-    first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
-    decades = math.log10(high / low)
-    every = max(1, math.ceil(decades / 9))
-    labelled = (1, 2, 5) if decades <= 2.2 else (1,)
-    ticks, minor = [], []
-    for power in range(first, last + 1):
-        for digit in range(1, 10):
-            value = digit * 10.0**power
-            if not low <= value <= high:
-                continue
-            if digit in labelled and power % every == 0:
-                ticks.append(Tick(value=value, label=_log_label(digit, power)))
-            elif every == 1:
-                minor.append(value)
-    return tuple(ticks), tuple(minor)
+def _lay_log_ticks(axis: "Axis") -> None:
+    low, high = axis.get_view_interval()
+    numbered = (1, 2, 5) if math.log10(high / low) <= _FEW_DECADES else (1,)
+    axis.set_major_locator(LogLocator(subs=numbered))
+    axis.set_major_formatter(log_label)
+    axis.set_minor_locator(NullLocator())
 
 
-def _log_label(digit: int, power: int) -> str:
-    if -3 <= power <= 5:
-        return plain(digit * 10.0**power)
-    return times_ten(power) if digit == 1 else f"{digit}·{times_ten(power)}"
+def _rule(axes: "Axes", axis: "Axis") -> None:
+    """Draw the grid, as two shapes: a tick of its own for each line of it would be slow."""
+    if axis.get_scale() == "log":
+        fine = LogLocator(subs=range(2, 10))
+        fine.set_axis(axis)
+        _rule_at(axes, axis, fine(), MINOR_GRID)
+    _rule_at(axes, axis, axis.get_majorticklocs(), GRID)
+
+
+def _rule_at(axes: "Axes", axis: "Axis", places: ArrayLike, colour: str) -> None:
+    low, high = axis.get_view_interval()
+    kept = [place for place in np.asarray(places) if low <= place <= high]
+    upright = axis is axes.xaxis
+    along, across = np.repeat(kept, 3), np.tile((0.0, 1.0, np.nan), len(kept))
+    line = Line2D(
+        *((along, across) if upright else (across, along)),
+        transform=axes.get_xaxis_transform() if upright else axes.get_yaxis_transform(),
+        color=colour,
+        linewidth=_GRID_WIDTH,
+        zorder=_GRID_LAYER,
+    )
+    axes.add_artist(line)
+
+
+def _scaled(axis: "Axis", label: str) -> str:
+    """The label of an axis whose numbers are to be read with a factor."""
+    formatter = axis.get_major_formatter()
+    if not isinstance(formatter, ScalarFormatter):
+        return label
+    formatter.set_locs(axis.get_majorticklocs().tolist())
+    factor = formatter.get_offset().replace(MINUS, "-").partition("e")[2]
+    return f"{label}, × {times_ten(int(factor))}" if factor else label

@@ -1,126 +1,183 @@
-"""Where the texts inside a plot stand: beside what they name, away from the curves and each other."""
+"""The texts inside a plot: beside what they name, away from the curves and from each other."""
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import text_to_path
+from matplotlib.transforms import Bbox
+from numpy.typing import ArrayLike, NDArray
 
-_CHARACTER = 0.56  # mean width of a character, in font sizes
-_HEIGHT = 1.25
+from gyrotest.certificate.style import FAINT, FONT_SIZE, INK, STROKES
+from gyrotest.records.figure import Mark, Panel
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_HEIGHT = 1.25  # of a line of text, in font sizes
 _GAP = 4.0
 _DISTANCES = (4.0, 8.0, 14.0, 20.0, 28.0, 36.0, 46.0)  # of a mark's text, the nearest is tried first
 _SPACING = 3.0
+_PLACES = 25
+_LEADER = 7.0  # from which distance on a mark is joined to its text
+_MARK = 2.5
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Box:
-    """A rectangle on the paper, y downwards."""
-
-    left: float
-    top: float
-    width: float
-    height: float
-
-    def contains(self, points: NDArray[np.float64]) -> int:
-        """Return how many points (n, 2) lie inside."""
-        x, y = points[:, 0], points[:, 1]
-        inside = (x >= self.left) & (x <= self.left + self.width)
-        return int(np.count_nonzero(inside & (y >= self.top) & (y <= self.top + self.height)))
-
-    def overlaps(self, other: "Box") -> bool:
-        """Whether two rectangles share an area."""
-        return (
-            self.left < other.left + other.width
-            and other.left < self.left + self.width
-            and self.top < other.top + other.height
-            and other.top < self.top + self.height
-        )
-
-    def outside(self, frame: "Box") -> bool:
-        """Whether a part of it lies beyond the frame."""
-        return (
-            self.left < frame.left
-            or self.top < frame.top
-            or self.left + self.width > frame.left + frame.width
-            or self.top + self.height > frame.top + frame.height
-        )
+def write_texts(axes: "Axes", panel: Panel) -> None:
+    """Write the marks' texts, the names of curves and bands, and the note, each where there is room."""
+    names = list(_names(axes, panel))
+    if not (panel.marks or panel.note or any(name.text for name in names)):
+        return
+    marks = [axes.transData.transform((mark.x, mark.y)) for mark in panel.marks]
+    layout = Layout(
+        frame=axes.get_window_extent(),
+        ink=np.vstack([np.empty((0, 2)), *(name.line for name in names)]),
+        taken=[Bbox.from_bounds(x - _MARK, y - _MARK, 2 * _MARK, 2 * _MARK) for x, y in marks],
+    )
+    for mark, (x, y) in zip(panel.marks, marks, strict=True):
+        _write_mark(axes, mark, layout.around(mark.label, x, y), x, y)
+    for name in names:
+        if name.text and len(name.line):
+            _write(axes, name.text, layout.along(name.text, name.line), name.colour)
+    if panel.note:
+        _write(axes, panel.note, layout.corner(panel.note), INK)
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
+class _Name:
+    """What is to be written beside a line, and where the line runs on the paper."""
+
+    text: str
+    colour: str
+    line: NDArray[np.float64]
+
+
+def _names(axes: "Axes", panel: Panel) -> Iterator[_Name]:
+    for curve in panel.curves:
+        yield _Name(curve.label, STROKES[curve.role].colour, _line(axes, curve.x, curve.y))
+    for band in panel.bands:
+        if band.label:
+            yield _Name(band.label, FAINT, _line(axes, band.x, band.upper))
+
+
+@dataclass(slots=True, kw_only=True)
 class Layout:
-    """The texts of one plot, placed one after another."""
+    """The texts of one plot, placed one after another; `ink` are points (n, 2) along its curves."""
 
-    frame: Box
-    font_size: float
-    curves: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
-    taken: list[Box] = field(default_factory=list)
+    frame: Bbox
+    ink: NDArray[np.float64]
+    taken: list[Bbox] = field(default_factory=list)
 
-    def avoid(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> None:
-        """Keep later texts away from a polyline."""
-        self.curves = np.vstack((self.curves, dense(x, y)))
+    def along(self, text: str, line: NDArray[np.float64]) -> Bbox:
+        """Place the name of a curve beside it, at its right end rather than at its left."""
+        width, height = extent = size(text)
+        rows = np.unique(np.linspace(0, len(line) - 1, _PLACES).astype(int))
+        places = (
+            (left, foot)
+            for x, y in line[rows[::-1]]
+            for left in (x - width, x - width / 2, x)
+            for foot in (y + 1.5, y - height - 1.5)
+        )
+        return self._best(places, extent)
 
-    def along(self, text: str, x: NDArray[np.float64], y: NDArray[np.float64]) -> Box:
-        """Place the name of a curve beside it."""
-        width, height = self._size(text)
-        path = dense(x, y)
-        rows = np.unique(np.linspace(0, len(path) - 1, 25).astype(int))
-        places = [
-            Box(left=left, top=top, width=width, height=height)
-            for px, py in path[rows[::-1]]
-            for left in (px - width, px - width / 2, px)
-            for top in (py - height - 1.5, py + 1.5)
-        ]
-        return self._best(places)
-
-    def around(self, text: str, x: float, y: float) -> Box:
+    def around(self, text: str, x: float, y: float) -> Bbox:
         """Place the text of a mark around its point."""
-        width, height = self._size(text)
-        return self._best(
-            Box(left=left, top=top, width=width, height=height)
-            for distance in _DISTANCES
-            for left in (x + distance, x - width - distance, x - width / 2)
-            for top in (y - height - distance, y + distance, y - height / 2)
+        width, height = extent = size(text)
+        places = (
+            (left, foot)
+            for away in _DISTANCES
+            for left in (x + away, x - width - away, x - width / 2)
+            for foot in (y + away, y - height - away, y - height / 2)
         )
+        return self._best(places, extent)
 
-    def corner(self, text: str) -> Box:
+    def corner(self, text: str) -> Bbox:
         """Place a note in the emptiest corner."""
-        width, height = self._size(text)
-        frame = self.frame
-        return self._best(
-            Box(left=left, top=top, width=width, height=height)
-            for top in (frame.top + _GAP, frame.top + frame.height - height - _GAP)
-            for left in (frame.left + frame.width - width - _GAP, frame.left + _GAP)
+        width, height = extent = size(text)
+        x0, y0, x1, y1 = self.frame.extents
+        places = (
+            (left, foot)
+            for foot in (y1 - height - _GAP, y0 + _GAP)
+            for left in (x1 - width - _GAP, x0 + _GAP)
         )
+        return self._best(places, extent)
 
-    def _size(self, text: str) -> tuple[float, float]:
-        return len(text) * _CHARACTER * self.font_size + 2, _HEIGHT * self.font_size
-
-    def _best(self, places: Iterable[Box]) -> Box:
-        best = min(places, key=self._cost)
-        self.taken.append(best)
-        return best
-
-    def _cost(self, place: Box) -> float:
-        hidden = sum(place.overlaps(other) for other in self.taken)
-        return 1000.0 * place.outside(self.frame) + 100.0 * hidden + place.contains(self.curves)
-
-
-def dense(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return points (n, 2) along a polyline, at most a few points of paper apart."""
-    if len(x) < 2:
-        return np.column_stack((x, y))
-    pieces = list(_pieces(x, y))
-    return np.vstack((*pieces, [[x[-1], y[-1]]]))
+    def _best(self, places: Iterable[tuple[float, float]], extent: tuple[float, float]) -> Bbox:
+        """Take the first of the best places, each a lower left corner."""
+        low = np.asarray(list(places))
+        high = low + extent
+        outside = np.any((low < self.frame.min) | (high > self.frame.max), axis=1)
+        taken = np.asarray([box.get_points() for box in self.taken]).reshape(-1, 2, 2)
+        hidden = _hits(low, high, taken[:, 0], taken[:, 1])
+        cost = 1000 * outside + 100 * hidden + _hits(low, high, self.ink, self.ink)
+        best = int(cost.argmin())
+        self.taken.append(Bbox([low[best], high[best]]))
+        return self.taken[-1]
 
 
-def _pieces(x: NDArray[np.float64], y: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
-    counts = np.ceil(np.hypot(np.diff(x), np.diff(y)) / _SPACING).astype(int)
-    for index, count in enumerate(np.maximum(counts, 1)):
-        steps = np.arange(count) / count
-        yield np.column_stack(
-            (
-                x[index] + steps * (x[index + 1] - x[index]),
-                y[index] + steps * (y[index + 1] - y[index]),
-            )
+def _hits(
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    others_low: NDArray[np.float64],
+    others_high: NDArray[np.float64],
+) -> NDArray[np.int64]:
+    """Count for each box how many others it touches; a point is a box without extent."""
+    across, along = (
+        (low[:, k, None] < others_high[:, k]) & (others_low[:, k] < high[:, k, None]) for k in (0, 1)
+    )
+    return np.asarray(np.count_nonzero(across & along, axis=1))
+
+
+def size(text: str) -> tuple[float, float]:
+    """The width and the height that a text takes, in points."""
+    font = FontProperties(size=FONT_SIZE)
+    width, _, _ = text_to_path.get_text_width_height_descent(text, font, ismath=False)
+    return width + 2, _HEIGHT * FONT_SIZE
+
+
+def dense(line: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return points (n, 2) along a polyline, a few points of paper apart."""
+    if len(line) < 2:
+        return line
+    way = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))
+    at = np.linspace(0.0, way[-1], math.ceil(way[-1] / _SPACING) + 1)
+    return np.column_stack((np.interp(at, way, line[:, 0]), np.interp(at, way, line[:, 1])))
+
+
+def _line(axes: "Axes", x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    """Return where a curve runs on the paper, within the frame."""
+    points = dense(axes.transData.transform(np.column_stack((x, y))))
+    x0, y0, x1, y1 = axes.get_window_extent().extents
+    inside = (points[:, 0] >= x0) & (points[:, 0] <= x1) & (points[:, 1] >= y0) & (points[:, 1] <= y1)
+    return points[inside]
+
+
+def _write(axes: "Axes", text: str, box: Bbox, colour: str) -> None:
+    axes.annotate(
+        text,
+        xy=((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2),
+        xycoords="figure points",
+        ha="center",
+        va="center",
+        color=colour,
+        bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "alpha": 0.7, "linewidth": 0},
+    )
+
+
+def _write_mark(axes: "Axes", mark: Mark, box: Bbox, x: float, y: float) -> None:
+    """Write the text of a mark, joined to it where that stands away."""
+    end = (min(max(x, box.x0), box.x1), min(max(y, box.y0), box.y1))
+    if math.dist(end, (x, y)) >= _LEADER:
+        leader = {"arrowstyle": "-", "color": FAINT, "linewidth": 0.5, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate(
+            "",
+            xy=(x, y),
+            xytext=end,
+            xycoords="figure points",
+            textcoords="figure points",
+            arrowprops=leader,
         )
+    _write(axes, mark.label, box, INK)

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 
 from gyrotest.certificate import appendix, statement
+from gyrotest.certificate.figures import svg
 from gyrotest.certificate.gauge import image_source
-from gyrotest.certificate.plots import svg
 from gyrotest.certificate.rows import LOOKS, CaseTable, Look, case_tables
 from gyrotest.records.figure import Figure, Width
 from gyrotest.records.result import Verdict
