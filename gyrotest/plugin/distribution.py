@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import pytest
 
@@ -54,6 +54,16 @@ class Distribution:
 
         class ByUnit(LoadScopeScheduling):  # type: ignore[misc]
             """Scopes by unit on a simulated bench, by the bench on a real one."""
+
+            def remove_node(self, node: "WorkerController") -> str | None:
+                """Give what a lost worker has not begun to others; not again what it was lost at."""
+                for unit in self.assigned_work[node].values():
+                    lost: str | None = next((one for one, done in unit.items() if not done), None)
+                    if lost is not None:
+                        unit[lost] = True
+                        super().remove_node(node)
+                        return lost
+                return cast("str | None", super().remove_node(node))
 
             def _split_scope(self, nodeid: str) -> str:
                 if not simulated:

@@ -85,7 +85,7 @@ def gyro_verify(
     request: pytest.FixtureRequest, gyro_session: GyroSession, gyro_serial: str
 ) -> GyroVerify:
     """Judge a value like the spec's own: `gyro_verify('offset', 2.51, unit='V', max='2.6 V')`."""
-    verify = GyroVerify(gyro_session.runs[gyro_serial], request.node)
+    verify = GyroVerify(gyro_session, gyro_session.runs[gyro_serial], request.node)
     request.node.stash[VERIFY] = verify
     return verify
 

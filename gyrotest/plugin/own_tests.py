@@ -18,7 +18,7 @@ from gyrotest.records.result import JudgedResult, Measurand, Result, Verdict
 from gyrotest.records.run import Attempt, Outcome, PlannedItem
 from gyrotest.records.spec import DecisionRule, Limit
 from gyrotest.runner.bench import Bench, OpenSource
-from gyrotest.runner.flow import UnitRun
+from gyrotest.runner.flow import UnitRun, origin_of
 from gyrotest.runner.folder import item_file_name
 from gyrotest.runner.items import Moment
 from gyrotest.units import Dimension, parse_quantity, same_dimension
@@ -128,7 +128,8 @@ class GyroAcquire:
 class GyroVerify:
     """Judges values of a user's own test; all of them, before the test fails."""
 
-    def __init__(self, run: UnitRun, item: pytest.Item) -> None:
+    def __init__(self, session: GyroSession, run: UnitRun, item: pytest.Item) -> None:
+        self._session = session
         self._run = run
         self._item = item
         self._results: list[JudgedResult] = []
@@ -186,6 +187,7 @@ class GyroVerify:
         if self.failed_before:
             return
         now = datetime.now(UTC)
+        uses = self._session.instruments_used(self._run.header.slot)
         self._run.folder.write_attempt(
             Attempt(
                 item=self._item.nodeid,
@@ -195,7 +197,8 @@ class GyroVerify:
                 ended_utc=now,
                 issued_utc=now,
                 message=message,
-                origin=None,
+                origin=origin_of(uses[0].identity) if uses else None,
+                instruments=uses,
                 results=tuple(self._results),
             )
         )

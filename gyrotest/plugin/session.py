@@ -7,7 +7,7 @@ import pytest
 
 from gyrotest.acquisition.progress import Progress
 from gyrotest.plugin.prompt import Prompt
-from gyrotest.records.run import PlannedItem, RunHeader
+from gyrotest.records.run import InstrumentUse, PlannedItem, RunHeader
 from gyrotest.runner.bench import Bench, SimulationChoice, check_choice
 from gyrotest.runner.door import Order
 from gyrotest.runner.flow import UnitRun
@@ -64,12 +64,12 @@ class GyroSession:
 
     def lock_bench(self) -> None:
         """Own the station's resources; a simulated bench is nobody else's anyway."""
-        if self.order.station.station.simulation is not None:
+        if self.locks is not None or self.order.station.station.simulation is not None:
             return
-        if self.locks is None:
-            self.locks = ResourceLocks(f"the test of {', '.join(self.order.serial_numbers)}")
+        locks = ResourceLocks(f"the test of {', '.join(self.order.serial_numbers)}")
         instruments = self.order.station.station.instruments.values()
-        self.locks.acquire(one.resource for one in instruments if one.driver != "replay")
+        locks.acquire(one.resource for one in instruments if one.driver != "replay")
+        self.locks = locks
 
     def put_on_bench(self, serial_number: str) -> UnitRun:
         """The run of a unit, which the operator puts into its slot where another one was before."""
@@ -86,6 +86,10 @@ class GyroSession:
             self.bench().power_was_cycled()
         self._unit_on_bench = serial_number
         return run
+
+    def instruments_used(self, slot: str) -> tuple[InstrumentUse, ...]:
+        """What was opened so far for a slot; opens nothing."""
+        return self._bench.opened(slot) if self._bench is not None else ()
 
     def close_bench(self) -> None:
         """Leave the bench safe and give it back."""

@@ -58,6 +58,11 @@ class Bench:
             opened = self._open[name, resource] = self._opened(name, resource)
         return opened
 
+    def opened(self, slot: str) -> tuple[InstrumentUse, ...]:
+        """The instruments that were opened for a slot."""
+        name = self.station.slots[slot].source
+        return tuple(one.use for (opened, _), one in self._open.items() if opened == name)
+
     def drop(self, opened: OpenSource) -> None:
         """Close a source that misbehaved; the next use opens it anew."""
         opened.source.close()

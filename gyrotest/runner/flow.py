@@ -169,7 +169,7 @@ class UnitRun:
     def _with_recording(self, item: PlannedItem, attempt: Attempt) -> Attempt:
         bench = self.bench()
         opened = bench.source(self.header.slot, self.header.serial_number)
-        attempt = replace(attempt, origin=_origin(opened.use.identity), instruments=(opened.use,))
+        attempt = replace(attempt, origin=origin_of(opened.use.identity), instruments=(opened.use,))
         try:
             sampling = opened.source.configure(self.planned_case(item).plan.interval_s)
             self._make_ready(item, bench, opened.source)
@@ -355,7 +355,8 @@ def _as_result(judged: JudgedResult) -> Result:
     )
 
 
-def _origin(identity: Identity) -> Origin:
+def origin_of(identity: Identity) -> Origin:
+    """Where the samples of an instrument come from, by what it says of itself."""
     if identity.replayed:
         return Origin.REPLAYED
     return Origin.SIMULATED if identity.simulated else Origin.MEASURED
