@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 _LOOKED_AT = 65536
 _SAME = 1e-9
-_HARMONICS = 16
 
 
 def digital_step(values: NDArray[np.float64]) -> float | None:
@@ -24,13 +23,20 @@ def digital_step(values: NDArray[np.float64]) -> float | None:
 
 
 def mean_half_width(step: float, deviation: float) -> float:
-    """Return how far steps can move the mean of a record of a standard deviation, in the step's unit.
+    """Return how far steps can move the mean of a record, in the step's unit.
+
+    Parameters
+    ----------
+    step, deviation
+        What the record is digitised in, and its standard deviation as digitised.
 
     Notes
     -----
-    Half a step without noise (JCGM 100 F.2.2.1); normal noise dithers the steps, which leaves
-    no more than step/π · Σ exp(−2π²(k·deviation/step)²)/k: next to nothing from half a step of noise on.
+    Half a step where the record varies by less than that: samples on two neighbouring steps do not
+    tell where between them the rate is (JCGM 100 F.2.2.1 for none at all). Beyond, noise of
+    σ² = deviation² − step²/12 dithers the steps, which leaves step/π · exp(−2π²(σ/step)²).
     """
-    order = np.arange(1.0, _HARMONICS + 1.0)
-    terms = np.exp(-2.0 * (math.pi * order * deviation / step) ** 2) / order
-    return min(step / 2.0, step / math.pi * float(terms.sum()))
+    if deviation < step / 2.0:
+        return step / 2.0
+    noise_in_steps = (deviation / step) ** 2 - 1.0 / 12.0
+    return step / math.pi * math.exp(-2.0 * math.pi**2 * noise_in_steps)

@@ -237,6 +237,10 @@ def test_a_gap_at_the_spin_table_is_refused_unless_the_case_says_otherwise(
     assert bias.value == pytest.approx(np.degrees(rest[: after + 1, 1].mean()), rel=1e-9)
     assert f"longest gap-free stretch, {after + 1} of {len(rest)} samples" in bias.condition
     assert any(one.source.startswith("resolution, steps of 0.57 °/s") for one in bias.budget)
+    # Its samples vary by less than their steps: a bias it is, and no noise.
+    noise = taken.result("bias_stability_0.1s")
+    assert noise.value is None
+    assert "not distinguishable from its rounding" in noise.reason
 
 
 @pytest.mark.parametrize("name", ["Manual_1", "Manual_2"])
@@ -244,3 +248,4 @@ def test_a_begin_without_gaps_is_taken_whole(real_data: Path, tmp_path: Path, na
     run, rest = spin(real_data, tmp_path, name)
     assert run.attempt.outcome is Outcome.PASSED
     assert run.result("bias").value == pytest.approx(np.degrees(rest[:, 1].mean()), rel=1e-9)
+    assert (run.result("bias_stability_0.1s").value or 0.0) > 0.0

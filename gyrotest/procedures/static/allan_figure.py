@@ -74,7 +74,7 @@ def allan_figure(
             *_floor(record, axes),
             *_limits(axes, noise, context),
             *_datasheet(axes, context.datasheet),
-            *_guides(axes, noise),
+            *(() if record.rounding else _guides(axes, noise)),
             Curve(
                 x=tuple(noise.classic.tau_s.tolist()),
                 y=_drawn(noise.classic.deviation_dps, rate),
@@ -83,7 +83,7 @@ def allan_figure(
             ),
             Curve(x=x, y=_drawn(curve.deviation_dps, rate), role=Role.DATA),
         ),
-        marks=tuple(_marks(axes, noise, named)),
+        marks=() if record.rounding else tuple(_marks(axes, noise, named)),
     )
     return Figure(
         name="allan_deviation",

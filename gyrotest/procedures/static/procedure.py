@@ -8,6 +8,7 @@ from gyrotest.procedures.static.figures import static_figures
 from gyrotest.procedures.static.noise_results import (
     analyse_noise,
     minimum_results,
+    not_evaluated,
     stability_result,
     walk_results,
 )
@@ -54,8 +55,7 @@ class Static:
         parameters: StaticParameters = context.parameters
         record = static_record(samples, context, parameters)
         noise = analyse_noise(record)
-        results = (
-            bias_result(record, noise.model, context),
+        spreads = (
             *(
                 stability_result(record, noise.model, smoothing, parameters, context)
                 for smoothing in parameters.smoothing
@@ -63,6 +63,11 @@ class Static:
             *minimum_results(record, noise, context),
             *walk_results(record, noise.model, context),
         )
+        if record.rounding:
+            spreads = tuple(
+                not_evaluated(one.name, one.label, one.unit, record.rounding) for one in spreads
+            )
+        results = (bias_result(record, noise.model, context), *spreads)
         figures = static_figures(record, noise, results, context)
         return Reduction(results=results, figures=figures, remarks=record.remarks)
 

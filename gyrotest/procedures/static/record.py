@@ -6,18 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrotest.analysis.continuity import Stretch, stretches_by_index, stretches_by_time, stuck_stretch
+from gyrotest.analysis.continuity import Stretch, stretches_by_index, stretches_by_time
 from gyrotest.analysis.noise import SHORTEST_RECORD
 from gyrotest.analysis.resolution import digital_step
 from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.static.parameters import StaticParameters
-from gyrotest.procedures.static.wording import engineering, plain
+from gyrotest.procedures.static.soundness import refuse_bad, refuse_lifeless, rounding_complaint
+from gyrotest.procedures.static.wording import plain
 from gyrotest.records.plan import Context
-from gyrotest.records.recording import SampleFlag, Samples, Sampling
+from gyrotest.records.recording import Samples, Sampling
 from gyrotest.records.spec import Gaps, Output, OutputKind
 from gyrotest.units import conversion_factor, printed_unit, same_dimension
-
-_METER_MARGIN = 3.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +37,8 @@ class Scaling:
 class StaticRecord:
     """A stretch of evenly spaced rates that begins `begin_s` after the recording's first sample.
 
-    `floor_dps` is the meter's own noise of a sample and `step_dps` what it is digitised in, where known.
+    `floor_dps` is the meter's own noise of a sample and `step_dps` what it is digitised in, where known;
+    `rounding` says why the steps hide the gyro's noise, where they do.
     """
 
     rate_dps: NDArray[np.float64]
@@ -47,6 +47,7 @@ class StaticRecord:
     scaling: Scaling
     floor_dps: float | None
     step_dps: float | None
+    rounding: str
     missing: int
     condition: str
     remarks: tuple[str, ...]
@@ -74,12 +75,13 @@ def static_record(samples: Samples, context: Context, parameters: StaticParamete
     stretches = tuple(_clipped(_stretches(samples, context), window))
     used = _used(stretches, context)
     values = samples.values[used.start : used.stop, 0]
-    _refuse_bad(values, samples.flags[used.start : used.stop], used.start)
+    refuse_bad(values, samples.flags[used.start : used.stop], used.start)
     if used.size < SHORTEST_RECORD:
         raise InsufficientDataError(
             f"{context.case_name}: {used.size} samples are left; an Allan deviation needs {SHORTEST_RECORD}"
         )
-    _refuse_lifeless(values, sampling, used.start)
+    step = digital_step(values)
+    refuse_lifeless(values, sampling, used.start)
     scaling = output_scaling(context.output, sampling.unit)
     whole = len(stretches) == 1
     note = "" if whole else f"longest gap-free stretch, {used.size} of {window.size} samples"
@@ -89,7 +91,8 @@ def static_record(samples: Samples, context: Context, parameters: StaticParamete
         sampling=sampling,
         scaling=scaling,
         floor_dps=None if sampling.noise is None else scaling.spread_dps(sampling.noise),
-        step_dps=None if (step := digital_step(values)) is None else scaling.spread_dps(step),
+        step_dps=None if step is None else scaling.spread_dps(step),
+        rounding=rounding_complaint(values, step, sampling.unit),
         missing=_missing(samples, context),
         condition=note,
         remarks=()
@@ -222,42 +225,3 @@ def _begin_s(samples: Samples, start: int) -> float:
     if samples.index is not None:
         return int(samples.index[start] - samples.index[0]) * samples.sampling.interval_s
     return start * samples.sampling.interval_s
-
-
-def _refuse_bad(values: NDArray[np.float64], flags: NDArray[np.uint8], start: int) -> None:
-    if flags.any():
-        bad = np.flatnonzero(flags)
-        first = int(bad[0])
-        kind = SampleFlag(int(flags[first])).name or "flagged"
-        raise InsufficientDataError(
-            f"sample {start + first} is flagged {kind.lower().replace('_', ' ')}"
-            f" ({bad.size} of {flags.size} samples are); a result needs every sample"
-        )
-    if not np.isfinite(values.sum()) and not np.isfinite(values).all():
-        first = int(np.flatnonzero(~np.isfinite(values))[0])
-        raise InsufficientDataError(
-            f"sample {start + first} is {values[first]}; a result needs every sample"
-        )
-
-
-def _refuse_lifeless(values: NDArray[np.float64], sampling: Sampling, start: int) -> None:
-    """Refuse a record that is no gyro's: constant, stuck, or no more than the meter's own noise."""
-    if values.min() == values.max():
-        raise InsufficientDataError(
-            f"all {values.size} samples read {values[0]:.9g} {sampling.unit}: signal not distinguishable"
-            " from the meter; is the gyro connected and powered?"
-        )
-    stuck = stuck_stretch(values)
-    if stuck is not None:
-        raise InsufficientDataError(
-            f"samples {start + stuck.start} … {start + stuck.stop - 1} all read"
-            f" {values[stuck.start]:.9g} {sampling.unit}: the reading is stuck"
-        )
-    spread = float(values.std(ddof=1))
-    if sampling.noise is not None and spread < _METER_MARGIN * sampling.noise:
-        raise InsufficientDataError(
-            f"signal not distinguishable from the meter: its standard deviation is"
-            f" {engineering(spread, sampling.unit)},"
-            f" the meter's own noise {engineering(sampling.noise, sampling.unit)}"
-            f" (at least {_METER_MARGIN:g} times that is expected); is the gyro connected and powered?"
-        )

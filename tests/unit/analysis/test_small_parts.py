@@ -153,9 +153,13 @@ def test_counts_show_their_step_and_fine_readings_none() -> None:
     assert digital_step(np.full(100, 2.5)) is None
 
 
-@pytest.mark.parametrize("deviation", [0.0, 0.1, 0.2, 0.3, 0.5])
+@pytest.mark.parametrize("deviation", [0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 1.0])
 def test_no_mean_is_further_off_than_the_half_width_of_its_steps(deviation: float) -> None:
     noise = deviation * np.random.default_rng(1).standard_normal(200_000)
-    errors = [np.mean(np.rint(offset + noise)) - offset for offset in np.linspace(0.0, 1.0, 21)]
-    bound = mean_half_width(1.0, deviation)
-    assert np.abs(errors).max() <= max(bound, 0.5 * (deviation == 0.0)) * 1.02 + 4.0 * deviation / 447.0
+    for offset in np.linspace(0.0, 1.0, 21):
+        record = np.rint(offset + noise)
+        error = abs(float(np.mean(record - offset)))
+        by_chance = 4.0 * (deviation + 0.5 * (deviation > 0.0)) / math.sqrt(noise.size)
+        assert error <= mean_half_width(1.0, float(record.std(ddof=1))) + by_chance
+    dithered = np.rint(0.3 + noise).std(ddof=1)
+    assert (mean_half_width(1.0, float(dithered)) < 0.02) == (deviation >= 0.4)

@@ -50,6 +50,22 @@ def test_a_constant_a_stuck_and_a_dead_output_are_no_gyro() -> None:
     assert "not distinguishable from the meter" in refusal(samples_of(2.5 + noise))
 
 
+def test_an_output_that_only_flickers_between_two_codes_has_a_bias_and_no_noise() -> None:
+    """What may be a dead output whose meter's noise is not known passes no maximum."""
+    values = np.full(3600, 0.35)
+    values[::37] += 0.05
+    output = voltage_output(kind=OutputKind.RATE, scale_factor=None, zero_rate=None)
+    samples = samples_of(values, sampling=meter_sampling(unit="deg/s", noise=None))
+    reduction = Static().reduce(samples, static_context(output=output, accuracy=None))
+    bias, *spreads = reduction.results
+    assert bias.value is not None
+    assert (bias.expanded_uncertainty or 0.0) > 0.025
+    assert [one.value for one in spreads] == [None] * 7
+    assert "not distinguishable from its rounding" in spreads[0].condition
+    assert "steps of 0.05 °/s" in spreads[0].condition
+    assert all(not panel.marks for figure in reduction.figures for panel in figure.panels)
+
+
 def test_a_gap_is_refused_and_named() -> None:
     index = np.arange(3600)
     index[1500:] += 7
