@@ -23,6 +23,7 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MARGIN, _LOG_MARGIN = 0.05, 0.03
 _NEARLY = 0.015
 _FEW_DECADES = 2.2  # up to which ticks within a decade get numbers as well
+_DEEPEST = 1e15  # how far down a logarithmic axis reaches
 _POWERS = (-3, 5)  # of ten, from which on numbers share a factor
 _GRID_WIDTH, _GRID_LAYER = 0.45, 0.5
 _LABEL_LEFT = 7.0
@@ -38,6 +39,7 @@ def fit(frames: "Sequence[Axes]") -> None:
     """Let the axes show all that was drawn, and lay their ticks."""
     for axes in frames:
         axes.autoscale_view()
+        _cut_decades(axes)
     _reach_ticks(frames[-1])
     for axes in frames:
         for axis in (axes.xaxis, axes.yaxis):
@@ -69,6 +71,20 @@ def log_label(value: float, _: object = None) -> str:
 def times_ten(exponent: int) -> str:
     """A power of ten in print."""
     return f"10{str(exponent).translate(_SUPERSCRIPTS)}"
+
+
+def _cut_decades(axes: "Axes") -> None:
+    """Keep a value of nearly nothing from taking all of a logarithmic axis."""
+    x, y = axes.dataLim.max
+    if axes.get_xscale() == "log":
+        axes.set_xlim(_cut(axes.get_xlim(), x))
+    if axes.get_yscale() == "log":
+        axes.set_ylim(_cut(axes.get_ylim(), y))
+
+
+def _cut(limits: tuple[float, float], largest: float) -> tuple[float, float]:
+    deepest = largest / _DEEPEST
+    return limits if limits[0] >= deepest else (deepest, 2 * largest)
 
 
 def _reach_ticks(axes: "Axes") -> None:

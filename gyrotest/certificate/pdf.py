@@ -27,6 +27,7 @@ _FACES = "".join(
     f"@font-face{{font-family:Inter;font-weight:{weight};src:url(font:{name})}}"
     for name, weight in _FONTS
 )
+_APART = ".annex{break-before:page}"  # a certificate that would fit one page is set on two
 _LIBRARIES = ("gobject-2.0", "pango-1.0", "harfbuzz", "fontconfig", "pangoft2-1.0")
 _UNSAFE = re.compile(r"[^A-Za-z0-9.-]+")
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f\ufffe\uffff\ud800-\udfff]")
@@ -139,17 +140,16 @@ def _typeset(html: str, *, identifier: bytes, attachments: tuple[Any, ...] = ())
     fonts = FontConfiguration()
     faces = weasyprint.CSS(string=_FACES, font_config=fonts, url_fetcher=_bundled_font)
     page = weasyprint.HTML(string=html, url_fetcher=fetcher, base_url="https://certificate.invalid/")
+    options = {"pdf_variant": "pdf/a-3u", "pdf_identifier": identifier, "attachments": list(attachments)}
     try:
         with warnings.catch_warnings():
             # It leaves the file of its colour profile for the interpreter to close.
             warnings.simplefilter("ignore", ResourceWarning)
-            content: bytes = page.write_pdf(
-                stylesheets=[faces],
-                font_config=fonts,
-                pdf_variant="pdf/a-3u",
-                pdf_identifier=identifier,
-                attachments=list(attachments),
-            )
+            document = page.render(font_config=fonts, stylesheets=[faces], **options)
+            if len(document.pages) < 2:
+                apart = weasyprint.CSS(string=_APART, font_config=fonts, url_fetcher=fetcher)
+                document = page.render(font_config=fonts, stylesheets=[faces, apart], **options)
+            content: bytes = document.write_pdf(**options)
     except FatalURLFetchingError as error:
         raise CertificateError(f"the certificate refers to something outside itself: {error}") from error
     return content

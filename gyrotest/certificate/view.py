@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from datetime import datetime
+from pathlib import PureWindowsPath
 
 from gyrotest.certificate import appendix, statement
 from gyrotest.certificate.figures import svg
@@ -94,7 +95,7 @@ def view(record: RunRecord, sha256: str) -> View:
         certificate=record.run_id,
         serial_number=record.serial_number,
         description=spec.description,
-        specification=f"{spec.document or header.spec.path} (SHA-256 {header.spec.sha256[:8]})",
+        specification=f"{spec.document or _file_name(header.spec.path)} (SHA-256 {header.spec.sha256[:8]})",
         watermark=_watermark(record),
         look=LOOKS[record.verdict],
         tally=statement.tally(record),
@@ -117,8 +118,8 @@ def view(record: RunRecord, sha256: str) -> View:
         recordings=appendix.recordings(record),
         hashes=(
             Fact(name="Run record (attached: run.json)", value=sha256),
-            Fact(name=f"Spec {header.spec.path}", value=header.spec.sha256),
-            Fact(name=f"Station {header.station.path}", value=header.station.sha256),
+            Fact(name=f"Spec {_file_name(header.spec.path)}", value=header.spec.sha256),
+            Fact(name=f"Station {_file_name(header.station.path)}", value=header.station.sha256),
         ),
         sha256=sha256,
         sha256_beginning=sha256[:_HASH_BEGINNING],
@@ -126,6 +127,11 @@ def view(record: RunRecord, sha256: str) -> View:
         keywords=f"SHA-256 {sha256}",
         generator=f"gyrotest {header.software.get('gyrotest', '')}".strip(),
     )
+
+
+def _file_name(path: str) -> str:
+    """The name alone: where the file lay is of no use to a certificate's reader."""
+    return PureWindowsPath(path).name  # splits at either system's separator
 
 
 def _watermark(record: RunRecord) -> str:

@@ -72,6 +72,34 @@ def test_certificate_states_rule_uncertainty_equipment_and_hashes(pages: Pages) 
     assert "Fig. 9" in text
 
 
+@pytest.mark.parametrize("path", ["/home/a/specs/gyro.yaml", "C:\\specs\\gyro.yaml", "specs/gyro.yaml"])
+def test_files_are_named_without_the_folders_they_lay_in(path: str) -> None:
+    record = records.empty()
+    spec = dataclasses.replace(record.header.spec, path=path)
+    station = dataclasses.replace(record.header.station, path=path.replace("gyro", "bench"))
+    header = dataclasses.replace(record.header, spec=spec, station=station)
+    reader = PdfReader(io.BytesIO(certificate_bytes(dataclasses.replace(record, header=header))))
+    text = flat(" ".join(page.extract_text() for page in reader.pages))
+    assert "Spec gyro.yaml" in text
+    assert "Station bench.yaml" in text
+    assert "specs" not in text
+
+
+def test_page_break_before_the_equipment_is_made_only_where_one_page_would_hold_all() -> None:
+    record = records.empty()
+    missing = tuple(f"item {n}: not started: {'a long reason, ' * 20}" for n in range(3))
+    deviations = tuple(f"deviation {n}: {'of some length ' * 30}" for n in range(7))
+    header = dataclasses.replace(record.header, deviations=deviations)
+    crowded = dataclasses.replace(record, header=header, missing=missing)
+    for one, broken in ((record, True), (crowded, False)):
+        pages = [
+            flat(page.extract_text()) for page in PdfReader(io.BytesIO(certificate_bytes(one))).pages
+        ]
+        assert len(pages) == 2
+        assert ("Tested by" in pages[0]) == broken
+        assert "Measuring equipment" in pages[1]
+
+
 def test_failing_values_are_named_with_their_limits(pages: Pages) -> None:
     text = flat(pages("failing")[0])
     assert "✗ FAIL" in text
