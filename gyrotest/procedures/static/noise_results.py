@@ -90,7 +90,8 @@ def stability_result(
         label=label,
         unit="deg/h",
         condition=_joined(
-            f"{found.averages} averages, {freedom(found.edf)}",
+            f"{found.averages} averages",
+            freedom(found.edf),
             "" if parameters.start is None else f"from {parameters.start} on",
             record.condition,
             duty_note(record),
@@ -163,6 +164,7 @@ def walk_results(record: StaticRecord, model: NoiseModel, context: Context) -> t
         unit="deg/sqrt(h)",
         condition=_joined(fitted, record.condition, duty_note(record)),
         context=context,
+        missing=_unknown_noise(record, context),
     )
     return (_corrected(record, apparent, fitted, context), as_read)
 
@@ -205,7 +207,14 @@ def _corrected(record: StaticRecord, apparent: Spread, fitted: str, context: Con
         unit=unit,
         condition=_joined(fitted, note, record.condition),
         context=context,
+        missing=_unknown_noise(record, context),
     )
+
+
+def _unknown_noise(record: StaticRecord, context: Context) -> tuple[str, ...]:
+    """Name the meter's share of the noise, where there is a meter and its noise is not known."""
+    unknown = record.floor_dps is None and context.accuracy is not None
+    return ("noise of the meter",) if unknown else ()
 
 
 def not_evaluated(name: str, label: str, unit: str, reason: str) -> Result:

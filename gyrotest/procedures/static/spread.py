@@ -39,9 +39,19 @@ class Spread:
 
 
 def spread_result(
-    spread: Spread, *, name: str, label: str, unit: str, condition: str, context: Context
+    spread: Spread,
+    *,
+    name: str,
+    label: str,
+    unit: str,
+    condition: str,
+    context: Context,
+    missing: tuple[str, ...] = (),
 ) -> Result:
-    """Return a spread as a result, its interval widened by the scale's uncertainty."""
+    """Return a spread as a result, its interval widened by the scale's uncertainty.
+
+    `missing` names what could not be had of its uncertainty beside what the context lacks.
+    """
     widened = spread.widened(_relative_scale_uncertainty(context))
     return Result(
         name=name,
@@ -52,7 +62,7 @@ def spread_result(
         upper_95=widened.upper,
         at_most=widened.at_most,
         condition=condition,
-        not_included=_not_included(context),
+        not_included=(*_not_included(context), *missing),
     )
 
 

@@ -79,6 +79,9 @@ def test_what_is_not_known_is_not_included() -> None:
     found = reduced(rates(), accuracy=None, output=voltage_output(scale_factor_uncertainty=None))
     assert found["bias"].not_included == ("accuracy of the meter", "uncertainty of the scale factor")
     assert found["allan_minimum"].not_included == found["bias"].not_included
+    noisy = samples_of(2.5 + 0.05 * rates(), sampling=meter_sampling(noise=None))
+    walk = by_name(Static().reduce(noisy, static_context()).results)["angle_random_walk"]
+    assert walk.not_included == ("noise of the meter",)
     unknown = reduced(rates(), since_power_on_s=None)["bias"]
     assert unknown.not_included == ("drift before the record (time of power-on not known)",)
 
@@ -116,7 +119,7 @@ def test_texts_have_plain_digits() -> None:
             texts += [mark.label for panel in figure.panels for mark in panel.marks]
         assert not [text for text in texts if re.search(r"[0-9]e[+-]?[0-9]", text)]
     found = reduced(rates())
-    assert found["bias_stability_1s"].condition.startswith("3600 averages, ")
+    assert found["bias_stability_1s"].condition.startswith("3600 averages; ")
     assert found["bias_stability_100s"].condition.endswith("d.o.f.")
 
 
