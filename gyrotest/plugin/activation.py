@@ -34,7 +34,6 @@ class Request:
     order: Order
     choice: SimulationChoice
     resume: Path | None
-    assume_yes: bool
 
 
 def activate(config: pytest.Config) -> None:
@@ -55,7 +54,8 @@ def activate(config: pytest.Config) -> None:
 
 def _session(config: pytest.Config) -> GyroSession:
     observes_only = _observes_only(config)
-    request = _request(config, observes_only=observes_only)
+    prompt = Prompt(config)
+    request = _request(config, observes_only=observes_only, prompt=prompt)
     worker = runs_of_worker(config)
     session = GyroSession(
         config=config,
@@ -64,7 +64,7 @@ def _session(config: pytest.Config) -> GyroSession:
         observes_only=observes_only,
         is_worker=worker is not None,
         progress=progress_for(config, request.order.spec.spec.output),
-        prompt=Prompt(config, assume_yes=request.assume_yes),
+        prompt=prompt,
     )
     if observes_only:
         return session
@@ -98,7 +98,7 @@ def _observes_only(config: pytest.Config) -> bool:
     return any(config.getoption(name, default=False) for name in names)
 
 
-def _request(config: pytest.Config, *, observes_only: bool) -> Request:
+def _request(config: pytest.Config, *, observes_only: bool, prompt: Prompt) -> Request:
     option = config.option
     spec = load_spec(_spec_path(config))
     station = load_station(_station_path(config))
@@ -114,13 +114,12 @@ def _request(config: pytest.Config, *, observes_only: bool) -> Request:
         operator=option.gyro_operator or config.getini("gyro_operator"),
         meta=_meta(option.gyro_meta),
         command=" ".join(["pytest", *(str(one) for one in config.invocation_params.args)]),
-        one_after_another=_one_after_another(config),
+        one_after_another=prompt.answered,
     )
     return Request(
         order=order,
         choice=_choice(config),
         resume=_from_invocation(config, option.gyro_resume) if option.gyro_resume else None,
-        assume_yes=option.gyro_yes,
     )
 
 
@@ -162,7 +161,10 @@ def _meta(given: list[str]) -> dict[str, str]:
             raise RefusedError(
                 f"--gyro-meta '{key}{equals}{value[:40]}': expected KEY=VALUE, e.g. order=4711"
             )
-    return {key.strip(): value.strip() for key, _, value in pairs}
+    meta = {key.strip(): value.strip() for key, _, value in pairs}
+    if len(meta) < len(pairs):
+        raise RefusedError(f"--gyro-meta: a key is given twice in {', '.join(given)[:200]}")
+    return meta
 
 
 def _choice(config: pytest.Config) -> SimulationChoice:
@@ -174,11 +176,6 @@ def _choice(config: pytest.Config) -> SimulationChoice:
         seed=None if seed is None else int(seed),
         real_time=config.option.gyro_real_time,
     )
-
-
-def _one_after_another(config: pytest.Config) -> bool:
-    """Whether units may be swapped between the runs: somebody is there to do it, or was said to be."""
-    return bool(config.option.gyro_yes) or Prompt.possible(config)
 
 
 def _out(config: pytest.Config) -> Path:

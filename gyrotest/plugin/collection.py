@@ -68,8 +68,16 @@ class Collection:
         config.stash[_SESSION] = session
         if config.args_source is not pytest.Config.ArgsSource.ARGS:
             config.args[:] = [str(self._path)]
-        elif not any(self._points_to_spec(config, one) for one in config.args):
+            return
+        config.args[:] = [self._from_node_id(config, one) for one in config.args]
+        if not any(self._points_to_spec(config, one) for one in config.args):
             config.args.append(str(self._path))
+
+    def _from_node_id(self, config: pytest.Config, argument: str) -> str:
+        """Take the node id of a spec outside the root directory, which is its bare name, as its path."""
+        name, colons, item = argument.partition("::")
+        known = name == self._path.name and not (config.invocation_params.dir / name).exists()
+        return f"{self._path}{colons}{item}" if known else argument
 
     def _points_to_spec(self, config: pytest.Config, argument: str) -> bool:
         path = config.invocation_params.dir / argument.partition("::")[0]

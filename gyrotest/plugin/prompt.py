@@ -1,52 +1,64 @@
 """Questions to the operator, through pytest's capture."""
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import pytest
 
 from gyrotest.errors import AcquisitionError
 
+_REFUSALS = {"stop", "no", "n", "q"}
+
 
 class Prompt:
     """Asks at the terminal; `--gyro-yes` answers everything; without a terminal it is refused."""
 
-    def __init__(self, config: pytest.Config, *, assume_yes: bool) -> None:
-        self._config = config
-        self._assume_yes = assume_yes
+    def __init__(self, config: pytest.Config) -> None:
+        self._capture = config.pluginmanager.getplugin("capturemanager")
+        self._assume_yes = bool(config.option.gyro_yes)
+        self._somebody = not _distributed(config) and self._at_terminal()
 
-    @staticmethod
-    def possible(config: pytest.Config) -> bool:
-        """Whether there is somebody to ask: a terminal, and no distribution over processes."""
-        distributed = hasattr(config, "workerinput") or bool(
-            config.getoption("numprocesses", default=None)
-        )
-        return sys.__stdin__ is not None and sys.__stdin__.isatty() and not distributed
+    @property
+    def answered(self) -> bool:
+        """Whether questions find an answer: somebody is there, or has answered them all before."""
+        return self._assume_yes or self._somebody
 
     def confirm(self, text: str) -> None:
         """Return when the operator says that it is done; raises `AcquisitionError`."""
         if self._assume_yes:
             return
-        if not self.possible(self._config):
+        if not self._somebody:
             raise AcquisitionError(
                 f"{text}: nobody is there to do it (no terminal); say --gyro-yes if it is done"
             )
-        if self._answer(f"\n{text}; then press Enter (or type 'stop'): ").strip().lower() in {
-            "stop",
-            "no",
-            "n",
-            "q",
-        }:
+        with self._uncaptured():
+            answer = _asked(f"\n{text}; then press Enter (or type 'stop'): ")
+        if answer.strip().lower() in _REFUSALS:
             raise AcquisitionError(f"{text}: stopped by the operator")
 
-    def _answer(self, question: str) -> str:
-        capture = self._config.pluginmanager.getplugin("capturemanager")
-        if capture is None:
-            return _asked(question)
-        capture.suspend(in_=True)
+    def _at_terminal(self) -> bool:
+        """Look at the real input; while pytest is configured, its capture holds nothing but that."""
+        with self._uncaptured():
+            found = sys.__stdin__ is not None and sys.__stdin__.isatty()
+        if self._capture is not None:
+            self._capture.suspend()
+        return found
+
+    @contextmanager
+    def _uncaptured(self) -> Iterator[None]:
+        if self._capture is None:
+            yield
+            return
+        self._capture.suspend(in_=True)
         try:
-            return _asked(question)
+            yield
         finally:
-            capture.resume()
+            self._capture.resume()
+
+
+def _distributed(config: pytest.Config) -> bool:
+    return hasattr(config, "workerinput") or bool(config.getoption("numprocesses", default=None))
 
 
 def _asked(question: str) -> str:

@@ -3,18 +3,20 @@
 import platform
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, date, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from gyrotest.certificate.pdf import ensure_renderer
+from gyrotest.certificate.record import read_record
 from gyrotest.errors import CertificateError, RefusedError
 from gyrotest.recordings.writer import check_free_space
+from gyrotest.records.result import Verdict
 from gyrotest.records.run import RunHeader
 from gyrotest.records.spec import SpecDocument
 from gyrotest.records.station import Station, StationDocument
-from gyrotest.runner.folder import HEADER, RunFolder
+from gyrotest.runner.folder import HEADER, RECORD, RunFolder
 from gyrotest.runner.items import planned_case, planned_items
 
 _SERIAL_NUMBER = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
@@ -163,7 +165,25 @@ def reopen_run(order: Order, path: Path) -> tuple[RunFolder, RunHeader]:
                 f"--gyro-resume: {path} was made with {what} {found}, now it is {wanted};"
                 " a run goes on only with the same ones"
             )
+    _refuse_ended(folder)
+    now = datetime.now(UTC)
+    note = f"Resumed on {now:%Y-%m-%d %H:%M:%S} UTC by '{order.command}'; what was acquired before was kept."
+    again = calibration_deviations(order.station.station, now.date())
+    header = replace(header, deviations=(*dict.fromkeys((*header.deviations, *again)), note))
+    folder.write_header(header)
     return folder, header
+
+
+def _refuse_ended(folder: RunFolder) -> None:
+    try:
+        verdict = read_record((folder.path / RECORD).read_bytes()).verdict
+    except (OSError, CertificateError):
+        return  # killed before, or while, it was written: it is put together anew
+    if verdict is not Verdict.INCOMPLETE:
+        raise RefusedError(
+            f"--gyro-resume: {folder.path} has ended ({verdict.value.replace('_', ' ')}) and lacks nothing;"
+            " start a new run, or make its certificate again with 'gyrotest report'"
+        )
 
 
 def earlier_runs(out: Path, serial_number: str, model: str) -> tuple[str, ...]:

@@ -188,7 +188,7 @@ class UnitRun:
             bench.power_was_cycled()
         warm_at_s = bench.powered_on_s + plan.warm_up_s
         if bench.clock.now_s() < warm_at_s and not isinstance(source, Playback):
-            self.progress.note(f"{item.name}: warming up, {plan.warm_up_s / 60:.3g} min after power-on")
+            self.progress.note(f"{item.name}: warming up until {planned.case.warm_up} after power-on")
             bench.clock.sleep_until(warm_at_s)
         starts = moment(self.header.spec.spec, item)
         bench.stage(self.header.slot, self.header.serial_number, item, moment=starts, plan=plan)
