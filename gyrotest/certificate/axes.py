@@ -75,11 +75,10 @@ def times_ten(exponent: int) -> str:
 
 def _cut_decades(axes: "Axes") -> None:
     """Keep a value of nearly nothing from taking all of a logarithmic axis."""
-    x, y = axes.dataLim.max
     if axes.get_xscale() == "log":
-        axes.set_xlim(_cut(axes.get_xlim(), x))
+        axes.set_xlim(_cut(axes.get_xlim(), axes.dataLim.x1))
     if axes.get_yscale() == "log":
-        axes.set_ylim(_cut(axes.get_ylim(), y))
+        axes.set_ylim(_cut(axes.get_ylim(), axes.dataLim.y1))
 
 
 def _cut(limits: tuple[float, float], largest: float) -> tuple[float, float]:
