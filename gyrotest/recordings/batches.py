@@ -1,5 +1,6 @@
 """The batches of segments: read one by one, every checksum verified."""
 
+import contextlib
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -71,13 +72,18 @@ def read_batches(file: Path) -> Iterator[Batch]:
             row += len(batch.rows)
 
 
-def _reader(file: Path) -> Any:
+@contextlib.contextmanager
+def _reader(file: Path) -> Iterator[Any]:
+    """The open stream, and the file beneath, which a stream does not close by itself."""
     import pyarrow as pa
 
-    try:
-        return pa.ipc.open_stream(pa.OSFile(str(file), "rb"))
-    except (pa.ArrowException, OSError, ValueError) as error:
-        raise RecordingError(f"{file}: cannot be read as a segment: {said(error)}") from error
+    with contextlib.ExitStack() as opened:
+        try:
+            source = opened.enter_context(pa.OSFile(str(file), "rb"))
+            stream = opened.enter_context(pa.ipc.open_stream(source))
+        except (pa.ArrowException, OSError, ValueError) as error:
+            raise RecordingError(f"{file}: cannot be read as a segment: {said(error)}") from error
+        yield stream
 
 
 def _next(stream: Any, file: Path, row: int) -> tuple[Any, Any] | None:

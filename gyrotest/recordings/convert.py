@@ -1,5 +1,6 @@
 """From segments to one Parquet file: written aside, verified, renamed; only then they go."""
 
+import logging
 import os
 from collections.abc import Iterable
 from pathlib import Path
@@ -9,6 +10,8 @@ from gyrotest.recordings import parquet
 from gyrotest.recordings.batches import read_batches, segment_files
 from gyrotest.recordings.segment import sync_folder
 from gyrotest.records.recording import Gap, RecordingHeader
+
+_log = logging.getLogger(__name__)
 
 
 def segments_to_parquet(
@@ -33,9 +36,17 @@ def segments_to_parquet(
         aside.unlink(missing_ok=True)
         raise
     sync_folder(target.parent)
-    for file in files:
-        file.unlink()
-    folder.rmdir()
+    _remove(folder, files)
+
+
+def _remove(folder: Path, files: Iterable[Path]) -> None:
+    """Remove the segments; what cannot be removed does no harm, for the Parquet file is whole."""
+    try:
+        for file in files:
+            file.unlink()
+        folder.rmdir()
+    except OSError as error:
+        _log.warning("%s: could not be removed after the conversion: %s", folder, error)
 
 
 def _verify(aside: Path, rows: int) -> None:

@@ -81,6 +81,16 @@ def test_not_a_number_survives(tmp_path, header):
     assert read_samples(tmp_path / recording.path).values.tobytes() == values.tobytes()
 
 
+def test_a_file_of_somebody_else_in_the_folder_does_not_spoil_the_recording(tmp_path, header, block):
+    """A virus scanner's or a file browser's: the folder then stays, the recording is the Parquet file."""
+    writer = RecordingWriter(tmp_path, header)
+    writer.push(block(0, 100))
+    (tmp_path / "recordings" / "static-1234-r1-a1" / "Thumbs.db").write_bytes(b"")
+    recording = writer.close(complete=True)
+    assert recording.path == "recordings/static-1234-r1-a1.parquet"
+    assert len(read_samples(tmp_path / recording.path).values) == 100
+
+
 def test_an_incomplete_recording_keeps_its_segments(tmp_path, header, block):
     with RecordingWriter(tmp_path, header) as writer:
         writer.push(block(0, 10))
