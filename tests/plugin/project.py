@@ -2,11 +2,12 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 import textwrap
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -39,6 +40,21 @@ cases:
 """
 
 
+TINY = """
+model: TINY50
+serial_pattern: '[0-9]{4,8}'
+output: {kind: voltage, scale_factor: 50 mV/(deg/s), zero_rate: 2.5 V, full_scale: 100 deg/s}
+cases:
+  rest:
+    procedure: static
+    duration: 40 s
+    interval: 1 s
+    parameters: {smoothing: [1 s]}
+    limits: {bias: {min: -2 deg/s, max: 2 deg/s}}
+"""
+FAILING = TINY.replace("min: -2 deg/s, max: 2 deg/s", "min: -2 deg/s, max: -1.9 deg/s")
+
+
 def short_spec(*, duration: str = "4 min", repeats: int = 2, bias_max: str = "2 deg/s") -> str:
     text = SPEC.format(duration=duration, repeats=repeats, bias_max=bias_max)
     if repeats == 1:
@@ -55,6 +71,42 @@ class Ended:
 
     def __contains__(self, text: str) -> bool:
         return text in self.out
+
+
+@dataclass(frozen=True)
+class Session:
+    """One of several pytest sessions that share a process: arguments, a plugin of its own, a spec."""
+
+    _: KW_ONLY
+    arguments: tuple[str, ...] = ()
+    plugin: str = ""
+    spec: str = "short.yaml"
+
+
+@dataclass(frozen=True)
+class SessionEnded:
+    """How one of these sessions ended; the code is None where an exception came out of pytest."""
+
+    code: int | None
+    out: str
+    record: dict[str, Any]
+    certificates: list[str]
+
+
+_SESSIONS = """
+import json, signal, sys, traceback
+import pytest
+sys.path.insert(0, "")
+before = [signal.getsignal(one) for one in (signal.SIGINT, signal.SIGTERM)]
+for number, arguments in enumerate(json.loads(sys.argv[1])):
+    try:
+        code = int(pytest.main(arguments))
+    except BaseException:
+        traceback.print_exc(file=sys.stdout)
+        code = None
+    assert before == [signal.getsignal(one) for one in (signal.SIGINT, signal.SIGTERM)]
+    print(f"\\n--- session {number} ended: {json.dumps(code)}", flush=True)
+"""
 
 
 class Project:
@@ -96,6 +148,32 @@ class Project:
         if serial is not None:
             command += ["--serial", serial]
         return self._popen(command, environment)
+
+    def sessions(self, *sessions: Session, serial: str = "1234") -> list[SessionEnded]:
+        """Run pytest sessions one after another in one process, which spares most of their time."""
+        for number, one in enumerate(sessions):
+            self.write(f"plugin_{number}.py", one.plugin)
+        lines = [
+            ["-p", "no:cacheprovider", "-p", f"plugin_{number}", *one.arguments, "--gyro-spec", one.spec,
+             "--serial", serial, "--gyro-out", f"out_{number}"]
+            for number, one in enumerate(sessions)
+        ]  # fmt: skip
+        ended = _ended(self._popen([sys.executable, "-c", _SESSIONS, json.dumps(lines)]))
+        found = re.split(r"\n--- session \d+ ended: (\d+|null)\n", ended.out)
+        assert ended.code == 0, ended.out
+        return [
+            self._session_ended(number, out, code)
+            for number, (out, code) in enumerate(zip(found[0:-1:2], found[1::2], strict=True))
+        ]
+
+    def _session_ended(self, number: int, out: str, code: str) -> SessionEnded:
+        (record,) = (self.path / f"out_{number}").glob("*/*/run.json")
+        return SessionEnded(
+            code=json.loads(code),
+            out=out,
+            record=json.loads(record.read_text(encoding="utf-8")),
+            certificates=[path.name for path in record.parent.glob("*.pdf")],
+        )
 
     def gyrotest(self, *arguments: str) -> Ended:
         return _ended(self._popen([sys.executable, "-m", "gyrotest", *arguments]))
