@@ -240,7 +240,7 @@ def test_a_gap_at_the_spin_table_is_refused_unless_the_case_says_otherwise(
     # Its samples vary by less than their steps: a bias it is, and no noise.
     noise = taken.result("bias_stability_0.1s")
     assert noise.value is None
-    assert "not distinguishable from its rounding" in noise.reason
+    assert "not distinguishable from rounding" in noise.reason
 
 
 @pytest.mark.parametrize("name", ["Manual_1", "Manual_2"])

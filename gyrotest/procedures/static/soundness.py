@@ -58,7 +58,7 @@ def rounding_complaint(values: NDArray[np.float64], step: float | None, unit: st
     if step is None or spread >= _OF_A_STEP * step:
         return ""
     return (
-        f"signal not distinguishable from its rounding: standard deviation {engineering(spread, unit)},"
+        f"not distinguishable from rounding: σ = {engineering(spread, unit)},"
         f" steps of {engineering(step, unit)}"
     )
 
