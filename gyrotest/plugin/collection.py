@@ -69,24 +69,24 @@ class Collection:
         if config.args_source is not pytest.Config.ArgsSource.ARGS:
             config.args[:] = [str(self._path)]
             return
-        config.args[:] = [self._from_node_id(config, one) for one in config.args]
-        if not any(self._points_to_spec(config, one) for one in config.args):
-            config.args.append(str(self._path))
+        given = [self._resolved(config, one) for one in config.args]
+        pointed = any(one.partition("::")[0] == str(self._path) for one in given)
+        config.args[:] = given if pointed else [*given, str(self._path)]
 
-    def _from_node_id(self, config: pytest.Config, argument: str) -> str:
-        """Take the node id of a spec outside the root directory, which is its bare name, as its path."""
+    def _resolved(self, config: pytest.Config, argument: str) -> str:
+        """Write the spec's path in one way, so that it is collected once.
+
+        An argument may name it through a link, or, outside the root directory, by its bare node id.
+        """
         name, colons, item = argument.partition("::")
-        known = name == self._path.name and not (config.invocation_params.dir / name).exists()
-        return f"{self._path}{colons}{item}" if known else argument
-
-    def _points_to_spec(self, config: pytest.Config, argument: str) -> bool:
-        path = config.invocation_params.dir / argument.partition("::")[0]
-        return path.resolve() == self._path
+        path = config.invocation_params.dir / name
+        is_node_id = name == self._path.name and not path.exists()
+        return f"{self._path}{colons}{item}" if is_node_id or path.resolve() == self._path else argument
 
     @pytest.hookimpl
     def pytest_collect_file(self, file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
         """Collect the spec that was asked for, and no other YAML file."""
-        if file_path.suffix != self._path.suffix or file_path.resolve() != self._path:
+        if file_path != self._path:
             return None
         if file_path.is_relative_to(parent.config.rootpath):
             return SpecModule.from_parent(parent, path=file_path)

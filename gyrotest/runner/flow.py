@@ -219,7 +219,8 @@ class UnitRun:
                 ended_utc=bench.clock.utc(),
                 started_utc=acquisition.header.started_utc,
                 recording=acquisition.recording,
-                events=(*acquisition.events, *played),
+                events=tuple(acquisition.events),
+                remarks=played,
                 truth=bench.truth(self.header.slot, plan),
             )
             self._put(attempt)
@@ -294,7 +295,7 @@ class UnitRun:
             issued_utc=datetime.now(UTC),
             results=results,
             figures=reduction.figures,
-            events=(*attempt.events, *reduction.remarks),
+            remarks=(*attempt.remarks, *reduction.remarks),
         )
         self._put(judged)
         return judged

@@ -86,10 +86,9 @@ class RunFolder:
     def unplanned(self, plan: tuple[PlannedItem, ...]) -> tuple[PlannedItem, ...]:
         """Items that were attempted beside the plan: a user's own tests."""
         known = {one.name for one in plan}
-        found = (
-            _read(path, _attempt_adapter()) for path in sorted((self.path / ATTEMPTS).glob("*.json"))
-        )
-        names = dict.fromkeys(one.item for one in found if one.item not in known)
+        found = (_read(path, _attempt_adapter()) for path in (self.path / ATTEMPTS).glob("*.json"))
+        beside = (one for one in found if one.item not in known)
+        names = dict.fromkeys(one.item for one in sorted(beside, key=lambda one: one.started_utc))
         return tuple(
             PlannedItem(name=name, case=name.rpartition("::")[2], repeat=None) for name in names
         )

@@ -81,15 +81,19 @@ class Session:
     arguments: tuple[str, ...] = ()
     plugin: str = ""
     spec: str = "short.yaml"
+    serial: str | None = "1234"
 
 
 @dataclass(frozen=True)
 class SessionEnded:
-    """How one of these sessions ended; the code is None where an exception came out of pytest."""
+    """How one of these sessions ended.
+
+    The code is None where an exception came out of pytest, the record where no run was begun.
+    """
 
     code: int | None
     out: str
-    record: dict[str, Any]
+    record: Any
     certificates: list[str]
 
 
@@ -130,8 +134,11 @@ class Project:
         spec: str | None = "short.yaml",
         serial: str | None = "1234",
         environment: Mapping[str, str] = MappingProxyType({}),
+        folder: str = ".",
     ) -> Ended:
-        return _ended(self.start(*arguments, spec=spec, serial=serial, environment=environment))
+        return _ended(
+            self.start(*arguments, spec=spec, serial=serial, environment=environment, folder=folder)
+        )
 
     def start(
         self,
@@ -139,23 +146,24 @@ class Project:
         spec: str | None = "short.yaml",
         serial: str | None = "1234",
         environment: Mapping[str, str] = MappingProxyType({}),
+        folder: str = ".",
     ) -> subprocess.Popen[str]:
         command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *arguments]
-        if "--lf" in arguments or "--cache" in arguments:
+        if "--cache" in arguments:
             command = [sys.executable, "-m", "pytest", *[one for one in arguments if one != "--cache"]]
         if spec is not None:
             command += ["--gyro-spec", spec]
         if serial is not None:
             command += ["--serial", serial]
-        return self._popen(command, environment)
+        return self._popen(command, environment, folder)
 
-    def sessions(self, *sessions: Session, serial: str = "1234") -> list[SessionEnded]:
+    def sessions(self, *sessions: Session) -> list[SessionEnded]:
         """Run pytest sessions one after another in one process, which spares most of their time."""
         for number, one in enumerate(sessions):
             self.write(f"plugin_{number}.py", one.plugin)
         lines = [
             ["-p", "no:cacheprovider", "-p", f"plugin_{number}", *one.arguments, "--gyro-spec", one.spec,
-             "--serial", serial, "--gyro-out", f"out_{number}"]
+             *(() if one.serial is None else (f"--serial={one.serial}",)), "--gyro-out", f"out_{number}"]
             for number, one in enumerate(sessions)
         ]  # fmt: skip
         ended = _ended(self._popen([sys.executable, "-c", _SESSIONS, json.dumps(lines)]))
@@ -167,12 +175,13 @@ class Project:
         ]
 
     def _session_ended(self, number: int, out: str, code: str) -> SessionEnded:
-        (record,) = (self.path / f"out_{number}").glob("*/*/run.json")
+        runs = [*(self.path / f"out_{number}").glob("*/*/run.json")]
+        assert len(runs) <= 1, out
         return SessionEnded(
             code=json.loads(code),
             out=out,
-            record=json.loads(record.read_text(encoding="utf-8")),
-            certificates=[path.name for path in record.parent.glob("*.pdf")],
+            record=json.loads(runs[0].read_text(encoding="utf-8")) if runs else None,
+            certificates=[path.name for run in runs for path in run.parent.glob("*.pdf")],
         )
 
     def gyrotest(self, *arguments: str) -> Ended:
@@ -182,14 +191,17 @@ class Project:
         return _ended(self._popen([sys.executable, "-c", textwrap.dedent(code)]))
 
     def _popen(
-        self, command: Sequence[str], more: Mapping[str, str] = MappingProxyType({})
+        self,
+        command: Sequence[str],
+        more: Mapping[str, str] = MappingProxyType({}),
+        folder: str = ".",
     ) -> subprocess.Popen[str]:
         foreign = ("PYTEST_", "GYRO_", "COV_")
         environment = {key: value for key, value in os.environ.items() if not key.startswith(foreign)}
         environment |= {"PYTHONIOENCODING": "utf-8", **more}
         return subprocess.Popen(  # the tests' own command lines
             command,
-            cwd=self.path,
+            cwd=self.path / folder,
             env=environment,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,

@@ -3,11 +3,10 @@
 import os
 import socket
 import sys
-from pathlib import Path
 
 import pytest
 
-from .project import Ended, Project, short_spec
+from .project import Ended, Project, Session, SessionEnded, short_spec
 
 
 def _refused(ended: Ended, *texts: str) -> None:
@@ -17,39 +16,45 @@ def _refused(ended: Ended, *texts: str) -> None:
         assert text in ended, ended.out
 
 
-@pytest.mark.parametrize(
-    "serial",
-    ["", "../1234", "12\n34", "1" * 300, "con", "12 34", "1..2", "ÄÖ12"],
-    ids=["empty", "path", "newline", "long", "device", "blank", "dots", "umlaut"],
-)
-def test_a_serial_number_that_is_no_plain_name_is_refused(project: Project, serial: str) -> None:
-    _refused(project.pytest(serial=serial), "serial number")
-    assert not (project.path / "reports").exists()
+def _refused_session(ended: SessionEnded, *texts: str) -> None:
+    assert (ended.code, ended.record) == (4, None), ended.out
+    assert "Traceback" not in ended.out
+    for text in texts:
+        assert text in ended.out, ended.out
 
 
-def test_a_serial_number_with_a_leading_dash_is_refused(project: Project) -> None:
-    _refused(project.pytest("--serial=-1234", serial=None), "serial number '-1234'")
+def test_serial_numbers_that_are_no_plain_names_or_break_the_pattern_are_refused(
+    project: Project,
+) -> None:
+    serials = [
+        "", "../1234", "12\n34", "1" * 300, "con", "12 34", "1..2", "ÄÖ12", "-1234", "1234,1234", None, "12",
+    ]  # fmt: skip
+    ended = project.sessions(*(Session(serial=one) for one in serials))
+    for one in ended:
+        _refused_session(one, "serial number")
+    _refused_session(ended[-3], "'1234' is given twice")
+    _refused_session(ended[-2], "needs the serial number", "--serial")
+    _refused_session(ended[-1], "serial_pattern '[0-9]{4,8}'")
 
 
-def test_a_missing_serial_number_is_refused(project: Project) -> None:
-    _refused(project.pytest(serial=None), "needs the serial number", "--serial")
+def test_senseless_options_are_refused_naming_what_was_tried(project: Project) -> None:
+    for arguments, *texts in (
+        (("--gyro-spec", "short.yaml"), "2 times"),
+        (("--gyro-meta", "order"), "KEY=VALUE"),
+        (("--gyro-meta", "a=1", "--gyro-meta", "a=2"), "given twice"),
+        (("--gyro-station", "simulatd"), "simulatd", "simulated"),
+        (("--gyro-sim-scenario", "nominl"), "nominal"),
+        (("--gyro-sim-seed", "-1"), "whole number"),
+        (("--gyro-resume", "nowhere"), "nowhere", "is this a run's folder?"),
+    ):
+        (ended,) = project.sessions(Session(arguments=arguments))
+        _refused_session(ended, *texts)
+    (missing,) = project.sessions(Session(spec="shrt.yaml"))
+    _refused_session(missing, "shrt.yaml", "short")
 
 
-def test_a_serial_number_that_breaks_the_pattern_is_refused(project: Project) -> None:
-    _refused(project.pytest(serial="12"), "serial_pattern '[0-9]{4,8}'")
-
-
-def test_a_missing_spec_names_what_was_tried(project: Project) -> None:
-    _refused(project.pytest(spec="shrt.yaml"), "shrt.yaml", "short")
-
-
-def test_two_specs_are_refused(project: Project) -> None:
-    _refused(project.pytest("--gyro-spec", "short.yaml"), "2 times")
-
-
-@pytest.mark.parametrize(
-    ("found", "written", "named"),
-    [
+def test_a_faulty_spec_names_file_line_and_key(project: Project) -> None:
+    faults = (
         ("duration: 4 min", "duration: -4 min", "duration"),
         ("duration: 4 min", "duration: 0 s", "duration"),
         ("interval: 1 s", "interval: 1", "interval"),
@@ -60,19 +65,15 @@ def test_two_specs_are_refused(project: Project) -> None:
         ("bias_stability_1s:", "bias_stability_7s:", "bias_stability_1s"),
         ("bias_stability_1s:", "bias_instability:", "allan_minimum"),
         ("max: 200 deg/h}", "max: 200 V}", "200 V"),
-    ],
-)
-def test_a_faulty_spec_names_file_line_and_key(
-    project: Project, found: str, written: str, named: str
-) -> None:
-    text = short_spec()
-    assert found in text
-    faulty = text.replace(found, written, 1)
-    project.write("specs/short.yaml", faulty)
-    line = next(
-        n for n, one in enumerate(faulty.splitlines(), 1) if written.split("\n", maxsplit=1)[0] in one
     )
-    _refused(project.pytest(), f"short.yaml:{line}:", named)
+    for number, (found, written, _) in enumerate(faults):
+        assert found in short_spec()
+        project.write(f"specs/faulty_{number}.yaml", short_spec().replace(found, written, 1))
+    ended = project.sessions(*(Session(spec=f"faulty_{number}.yaml") for number in range(len(faults))))
+    for number, (one, (_, written, named)) in enumerate(zip(ended, faults, strict=True)):
+        text = (project.path / "specs" / f"faulty_{number}.yaml").read_text(encoding="utf-8")
+        line = next(n for n, content in enumerate(text.splitlines(), 1) if written in content)
+        _refused_session(one, f"faulty_{number}.yaml:{line}:", named)
 
 
 def test_an_interval_that_the_meter_cannot_reach_is_an_error_before_sampling(project: Project) -> None:
@@ -84,16 +85,6 @@ def test_an_interval_that_the_meter_cannot_reach_is_an_error_before_sampling(pro
     assert ended.code == 1
     assert "0.1 s" in ended
     assert project.record()["verdict"] == "INCOMPLETE"
-
-
-def test_an_unknown_station_is_refused(project: Project) -> None:
-    _refused(project.pytest("--gyro-station", "simulatd"), "simulatd", "simulated")
-
-
-def test_an_unknown_scenario_is_refused(project: Project) -> None:
-    ended = project.pytest("--gyro-sim-scenario", "nominl")
-    assert ended.code != 0
-    assert "nominal" in ended
 
 
 STATION = """
@@ -198,19 +189,3 @@ def test_without_pango_the_run_is_refused_before_it_starts(project: Project) -> 
     )
     _refused(project.pytest(), "Pango")
     assert not (project.path / "reports").exists() or not project.runs()
-
-
-def test_meta_without_a_value_is_refused(project: Project) -> None:
-    _refused(project.pytest("--gyro-meta", "order"), "KEY=VALUE")
-
-
-def test_nothing_of_an_earlier_run_is_touched(project: Project) -> None:
-    project.pytest("-k", "r1")
-    (run,) = project.runs()
-
-    def content(folder: Path) -> dict[str, bytes]:
-        return {str(path): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
-
-    before = content(run)
-    project.pytest("-k", "r1")
-    assert content(run) == before

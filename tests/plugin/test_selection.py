@@ -1,79 +1,89 @@
 """Selecting, stopping and repeating items: what is left out is said, nothing becomes a PASS."""
 
-import xml.etree.ElementTree as ET
+from .project import FAILING, TINY, Project, Session
 
-from .project import Project, short_spec
+TWICE = TINY.replace("interval: 1 s", "interval: 1 s\n    repeats: 3")
+TWICE_FAILING = FAILING.replace("interval: 1 s", "interval: 1 s\n    repeats: 3")
 
 
-def test_collect_only_lists_the_plan_without_touching_a_bench(project: Project) -> None:
+def _listed(out: str) -> list[str]:
+    return [line for line in out.splitlines() if "::" in line]
+
+
+def test_looking_touches_no_bench_and_makes_no_run(project: Project) -> None:
     ended = project.pytest("--collect-only", "-q", serial=None)
     assert ended.code == 0
-    assert "specs/short.yaml::rest-SERIAL-r1" in ended
-    assert "specs/short.yaml::rest-SERIAL-repeats" in ended
+    assert _listed(ended.out) == [
+        f"specs/short.yaml::rest-SERIAL-{suffix}" for suffix in ("r1", "r2", "repeats")
+    ]
+    for argument in ("--markers", "--fixtures", "--setup-plan", "--help", "--version"):
+        assert project.pytest(argument, "--cache").code == 0, argument
+    assert project.pytest("--cache-show", "--cache").code == 0
     assert not (project.path / "reports").exists()
 
 
-def test_a_deselected_item_makes_the_run_incomplete(project: Project) -> None:
-    ended = project.pytest("-k", "r1")
-    assert ended.code == 1
-    assert "1 passed, 2 deselected" in ended
-    record = project.record()
-    assert record["verdict"] == "INCOMPLETE"
-    assert any("rest-1234-r2" in one and "deselected (-k r1)" in one for one in record["missing"])
-    assert "INCOMPLETE" in project.certificates()[0].name
+def test_whatever_is_left_out_is_named_with_its_reason(project: Project) -> None:
+    project.write("specs/twice.yaml", TWICE)
+    project.write("specs/failing.yaml", TWICE_FAILING)
+    r1 = "specs/twice.yaml::rest-1234-r1"
+    selections = (("-k", "r1"), ("-m", "slow"), ("--deselect", r1), (r1,), ("--setup-only",))
+    keyword, mark, deselected, named, setup_only, stopped = project.sessions(
+        *(Session(spec="twice.yaml", arguments=one) for one in selections),
+        Session(spec="failing.yaml", arguments=("-x",)),
+    )
+    for one in (keyword, mark, deselected, named, setup_only, stopped):
+        assert one.code in {1, 2, 5}
+        assert one.record["verdict"] == "INCOMPLETE"
+        assert "INCOMPLETE" in one.certificates[0]
+    assert keyword.record["missing"] == [
+        "rest-1234-r2: deselected (-k r1)",
+        "rest-1234-r3: deselected (-k r1)",
+        "rest-1234-repeats: deselected (-k r1)",
+    ]
+    assert mark.record["missing"][0] == "rest-1234-r1: deselected (-m slow)"
+    assert deselected.record["missing"] == [
+        f"rest-1234-r1: deselected (--deselect {r1})",
+        "rest-1234-repeats: skipped: lacks rest-1234-r1",
+    ]
+    assert named.record["missing"][0] == "rest-1234-r2: not run"
+    assert setup_only.record["missing"][0] == "rest-1234-r1: acquired, but not judged"
+    assert stopped.record["missing"][0].startswith("rest-1234-r2: not run (stopping after 1 fail")
+    assert [one["verdict"] for one in stopped.record["results"] if one["limit"]] == ["FAIL"]
 
 
-def test_what_is_over_the_repeats_is_skipped_when_one_lacks(project: Project) -> None:
-    ended = project.pytest("-k", "r1 or repeats", "-rs")
-    assert "1 passed, 1 skipped" in ended
-    assert "lacks rest-1234-r2" in ended
-    assert project.record()["verdict"] == "INCOMPLETE"
-
-
-def test_stopping_at_the_first_failure_names_what_did_not_run(project: Project) -> None:
-    project.write("specs/short.yaml", short_spec(bias_max="-1.9 deg/s"))
-    ended = project.pytest("-x")
-    assert ended.code in {1, 2}
-    record = project.record()
-    assert record["verdict"] == "INCOMPLETE"
-    assert any("rest-1234-r2" in one and "not run" in one for one in record["missing"])
-    assert [one["verdict"] for one in record["results"] if one["name"] == "bias"] == ["FAIL"]
-
-
-def test_last_failed_runs_only_what_failed(project: Project) -> None:
-    project.write("specs/short.yaml", short_spec(repeats=2, bias_max="-1.9 deg/s"))
-    project.pytest("--cache", "-k", "r2")
-    ended = project.pytest("--lf", "--cache")
-    assert "1 failed" in ended
-    assert "2 deselected" in ended
-    assert project.record()["verdict"] == "INCOMPLETE"
-
-
-def test_junit_xml_has_every_item_and_the_failing_values(project: Project) -> None:
-    project.write("specs/short.yaml", short_spec(bias_max="-1.9 deg/s"))
-    project.pytest("--junitxml", "out.xml")
-    suite = ET.parse(project.path / "out.xml").getroot()
-    cases = {case.get("name"): case for case in suite.iter("testcase")}
-    assert set(cases) == {"rest-1234-r1", "rest-1234-r2", "rest-1234-repeats"}
-    failure = cases["rest-1234-r1"].find("failure")
-    assert failure is not None
-    assert "bias = " in (failure.get("message") or "")
-
-
-def test_naming_an_item_runs_it(project: Project) -> None:
-    ended = project.pytest("specs/short.yaml::rest-1234-r1")
-    assert "1 passed" in ended
+def test_last_failed_runs_only_what_failed_and_failed_first_keeps_the_plans_order(
+    project: Project,
+) -> None:
+    project.write("specs/failing.yaml", TWICE_FAILING)
+    project.pytest("--cache", "-k", "r2", spec="failing.yaml")
+    first = project.pytest("--ff", "--cache", "--collect-only", "-q", spec="failing.yaml")
+    assert [one.rpartition("-")[2] for one in _listed(first.out)] == ["r1", "r2", "r3", "repeats"]
+    last = project.pytest("--lf", "--cache", spec="failing.yaml")
+    assert "1 failed" in last
+    assert "3 deselected" in last
     assert project.record()["verdict"] == "INCOMPLETE"
 
 
 def test_the_plans_order_survives_a_shuffle(project: Project) -> None:
-    project.write(
-        "conftest.py",
-        """
-        def pytest_collection_modifyitems(items):
-            items.reverse()
-        """,
-    )
+    project.write("conftest.py", "def pytest_collection_modifyitems(items):\n    items.reverse()\n")
     ended = project.pytest("--collect-only", "-q", serial="1234")
-    listed = [line.rpartition("::")[2] for line in ended.out.splitlines() if "::" in line]
+    listed = [line.rpartition("::")[2] for line in _listed(ended.out)]
     assert listed == ["rest-1234-r1", "rest-1234-r2", "rest-1234-repeats"]
+
+
+def test_a_spec_is_collected_once_whatever_the_paths_say(project: Project) -> None:
+    project.write("specs/tiny.yaml", TINY)
+    project.write("test_own.py", "def test_own(): pass\n")
+    (project.path / "link").symlink_to(project.path / "specs")
+    look = ("--collect-only", "-q")
+    for paths, expected in (
+        ((), ["specs/tiny.yaml::rest-1234-r1"]),
+        ((".",), ["specs/tiny.yaml::rest-1234-r1", "test_own.py::test_own"]),
+        (("test_own.py",), ["test_own.py::test_own", "specs/tiny.yaml::rest-1234-r1"]),
+        (("specs/tiny.yaml::rest-1234-r1",), ["specs/tiny.yaml::rest-1234-r1"]),
+        (("link/tiny.yaml::rest-1234-r1",), ["specs/tiny.yaml::rest-1234-r1"]),
+    ):
+        assert _listed(project.pytest(*look, *paths, spec="tiny.yaml").out) == expected
+    shipped = "mems50.yaml::bias_stability-1234-r2"
+    assert shipped in _listed(project.pytest(*look, spec="mems50.yaml").out)
+    assert _listed(project.pytest(*look, shipped, spec="mems50.yaml").out) == [shipped]
