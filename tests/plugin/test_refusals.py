@@ -38,7 +38,7 @@ def test_serial_numbers_that_are_no_plain_names_or_break_the_pattern_are_refused
 
 
 def test_senseless_options_are_refused_naming_what_was_tried(project: Project) -> None:
-    for arguments, *texts in (
+    senseless: tuple[tuple[tuple[str, ...], *tuple[str, ...]], ...] = (
         (("--gyro-spec", "short.yaml"), "2 times"),
         (("--gyro-meta", "order"), "KEY=VALUE"),
         (("--gyro-meta", "a=1", "--gyro-meta", "a=2"), "given twice"),
@@ -46,10 +46,12 @@ def test_senseless_options_are_refused_naming_what_was_tried(project: Project) -
         (("--gyro-sim-scenario", "nominl"), "nominal"),
         (("--gyro-sim-seed", "-1"), "whole number"),
         (("--gyro-resume", "nowhere"), "nowhere", "is this a run's folder?"),
-    ):
-        (ended,) = project.sessions(Session(arguments=arguments))
-        _refused_session(ended, *texts)
-    (missing,) = project.sessions(Session(spec="shrt.yaml"))
+    )
+    *ended, missing = project.sessions(
+        *(Session(arguments=arguments) for arguments, *_ in senseless), Session(spec="shrt.yaml")
+    )
+    for one, (_, *texts) in zip(ended, senseless, strict=True):
+        _refused_session(one, *texts)
     _refused_session(missing, "shrt.yaml", "short")
 
 

@@ -2,71 +2,95 @@
 
 import pytest
 
-from .project import Project, short_spec
+from .project import FAILING, TINY, Project, Session
 
 pytest.importorskip("xdist")
 pytest.importorskip("pytest_rerunfailures")
 
+RETESTED = FAILING.replace("interval: 1 s", "interval: 1 s\n    retests: 1")
+REPEATED = TINY.replace("interval: 1 s", "interval: 1 s\n    repeats: 2").replace(
+    "max: 2 deg/s}}", "max: 2 deg/s}, bias_run_to_run: {max: 200 deg/h, over: repeats}}"
+)
+LOOSE_CABLE = """
+import pytest
+from gyrotest.errors import InstrumentError
+tries = []
 
-def test_a_rerun_does_not_replace_a_failed_acquisition(project: Project) -> None:
-    project.write("specs/short.yaml", short_spec(repeats=1, bias_max="-1.9 deg/s"))
-    ended = project.pytest("--reruns", "2")
-    assert ended.code == 1
-    assert "2 rerun" in ended
-    (item,) = project.record()["items"]
-    assert [one["outcome"] for one in item["attempts"]] == ["failed"]
+@pytest.fixture(autouse=True)
+def loose_cable(gyro_session):
+    bench = gyro_session.bench()
+    real = bench.source
+    def source(slot, serial_number):
+        tries.append(slot)
+        bench.source = real
+        raise InstrumentError("the cable is loose")
+    if not tries:
+        bench.source = source
+"""
+WORKER_DIES = """
+import os
+from gyrotest.acquisition.acquire import Acquisition
+
+kept = Acquisition._keep
+def keep(self, writer, block):
+    kept(self, writer, block)
+    if block.first == 20 and "r1" in self.header.item:
+        os._exit(7)
+if os.environ.get("PYTEST_XDIST_WORKER"):
+    Acquisition._keep = keep
+"""
 
 
-def test_a_declared_retest_may_replace_it_and_is_kept(project: Project) -> None:
-    text = short_spec(repeats=1, bias_max="-1.9 deg/s").replace(
-        "repeats: 1", "repeats: 1\n    retests: 1"
+def test_reruns_replace_a_bench_error_and_a_failure_only_where_the_spec_says_so(
+    project: Project,
+) -> None:
+    project.write("specs/tiny.yaml", TINY)
+    project.write("specs/failing.yaml", FAILING)
+    project.write("specs/retested.yaml", RETESTED)
+    reruns = ("--reruns", "2")
+    failed, retested, repaired = project.sessions(
+        Session(spec="failing.yaml", arguments=reruns),
+        Session(spec="retested.yaml", arguments=reruns),
+        Session(spec="tiny.yaml", arguments=reruns, plugin=LOOSE_CABLE),
     )
-    project.write("specs/short.yaml", text)
-    ended = project.pytest("--reruns", "2")
-    assert ended.code == 1
-    (item,) = project.record()["items"]
-    assert [one["outcome"] for one in item["attempts"]] == ["failed", "failed"]
+    assert "2 rerun" in failed.out
+    for ended, code, verdict, outcomes in (
+        (failed, 1, "FAIL", ["failed"]),
+        (retested, 1, "FAIL", ["failed", "failed"]),
+        (repaired, 0, "PASS", ["error", "passed"]),
+    ):
+        (item,) = ended.record["items"]
+        assert [one["outcome"] for one in item["attempts"]] == outcomes
+        assert (ended.code, ended.record["verdict"]) == (code, verdict), ended.out
 
 
-def test_a_rerun_replaces_a_bench_error(project: Project) -> None:
-    project.write("specs/short.yaml", short_spec(repeats=1))
-    project.write(
-        "conftest.py",
-        """
-        import pytest
-        from gyrotest.errors import InstrumentError
-        tries = []
-
-        @pytest.fixture(autouse=True)
-        def loose_cable(gyro_session):
-            bench = gyro_session.bench()
-            real = bench.source
-            def source(slot, serial_number):
-                tries.append(slot)
-                bench.source = real
-                raise InstrumentError("the cable is loose")
-            if not tries:
-                bench.source = source
-        """,
+def test_workers_do_the_items_as_a_single_process_does_and_the_controller_certifies(
+    project: Project,
+) -> None:
+    project.write("specs/repeated.yaml", REPEATED)
+    ended = project.pytest(
+        "-n", "2", "--dist", "each", "--gyro-yes", serial="1234,1235", spec="repeated.yaml"
     )
-    ended = project.pytest("--reruns", "1")
-    assert ended.code == 0, ended.out
-    (item,) = project.record()["items"]
-    assert [one["outcome"] for one in item["attempts"]] == ["error", "passed"]
-    assert project.record()["verdict"] == "PASS"
-
-
-def test_workers_do_the_items_and_the_controller_certifies(project: Project) -> None:
-    ended = project.pytest("-n", "2", "--gyro-yes", serial="1234,1235")
     assert ended.code == 0, ended.out
     assert "6 passed" in ended
+    assert "samples every" not in ended
     for serial in ("1234", "1235"):
         assert project.record(serial)["verdict"] == "PASS"
         assert len(project.certificates(serial)) == 1
+    distributed = [one["value"] for one in project.record("1235")["results"]]
+    alone = project.pytest(serial="1235", spec="repeated.yaml")
+    assert alone.code == 0, alone.out
+    assert [one["value"] for one in project.record("1235")["results"]] == distributed
 
 
-def test_workers_give_the_values_of_a_single_process(project: Project) -> None:
-    project.pytest("-n", "2")
-    distributed = [one["value"] for one in project.record()["results"]]
-    project.pytest()
-    assert [one["value"] for one in project.record()["results"]] == distributed
+def test_what_a_worker_was_lost_at_stays_missing_and_the_rest_goes_on(project: Project) -> None:
+    project.write("specs/repeated.yaml", REPEATED)
+    project.write("conftest.py", WORKER_DIES)
+    ended = project.pytest("-n", "1", spec="repeated.yaml")
+    assert ended.code == 1, ended.out
+    assert "crashed" in ended
+    record = project.record()
+    assert record["verdict"] == "INCOMPLETE"
+    outcomes = [[one["outcome"] for one in item["attempts"]] for item in record["items"]]
+    assert outcomes == [["interrupted"], ["passed"], ["skipped"]]
+    assert "INCOMPLETE" in project.certificates()[0].name

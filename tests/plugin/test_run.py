@@ -2,6 +2,7 @@
 
 import re
 import xml.etree.ElementTree as ET
+from pathlib import Path
 
 from .project import FAILING, TINY, Project, Session
 
@@ -69,12 +70,18 @@ def test_runs_in_the_same_second_do_not_meet(project: Project) -> None:
     assert len(project.runs()) == 2
 
 
+def _content(folder: Path) -> dict[str, bytes]:
+    return {str(path): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
 def test_a_second_run_is_attempt_two_and_one_repeat_alone_is_that_of_the_full_run(
     project: Project,
 ) -> None:
     project.pytest("--gyro-sim-seed", "5")
     full = [one["value"] for one in project.record()["results"] if one["repeat"] == 2]
+    before = _content(project.runs()[0])
     project.pytest("--gyro-sim-seed", "5", "-k", "r2")
+    assert _content(project.runs()[0]) == before
     record = project.record()
     assert [one["value"] for one in record["results"]] == full
     first, second = project.runs()
