@@ -132,7 +132,8 @@ def recordings(record: RunRecord) -> tuple[RecordingLine, ...]:
 def sampling(record: RunRecord) -> tuple[str, ...]:
     """How the source sampled, each way once, with what dead time there was."""
     files = [one.recording for item in record.items for one in item.attempts if one.recording]
-    ways = dict.fromkeys(one.header.sampling for one in files)
+    # How long a replayed file's samples were integrated for is not known.
+    ways = dict.fromkeys(one.header.sampling for one in files if not one.header.source.replayed)
     return tuple(
         f"One sample every {plain(way.interval_s)} s is the mean of {way.readings} reading"
         f"{'' if way.readings == 1 else 's'} of {plain(way.aperture_s * 1000, digits=4)} ms: the signal is "

@@ -56,19 +56,21 @@ def ensure_renderer() -> None:
 
 def write_certificate(record: RunRecord, folder: Path) -> Path:
     """Write the certificate into a folder, never over another file; raises `CertificateError`."""
-    content = certificate_bytes(record)
+    try:
+        content = certificate_bytes(record)
+    except OSError as error:
+        raise CertificateError(f"{folder}: the certificate cannot be drawn: {error}") from error
     begin = f"{record.header.started_utc:%Y%m%dT%H%M%SZ}"
     parts = (record.serial_number, record.model, begin, record.verdict.value)
     name = "_".join(_UNSAFE.sub("-", part)[:64].strip("-") or "-" for part in parts)
     aside = folder / f".{name}.{os.getpid()}.part"
     try:
         aside.write_bytes(content)
-        try:
-            return _settle(aside, folder, name)
-        finally:
-            aside.unlink(missing_ok=True)
+        return _settle(aside, folder, name)
     except OSError as error:
         raise CertificateError(f"{folder}: the certificate cannot be written: {error}") from error
+    finally:
+        aside.unlink(missing_ok=True)
 
 
 def certificate_bytes(record: RunRecord, data: bytes | None = None) -> bytes:

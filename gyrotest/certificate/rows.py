@@ -98,6 +98,8 @@ def outcome(result: JudgedResult) -> str:
     """A result in one line, with what surrounds it, its unit and its limit."""
     which = "" if result.repeat is None else f", repeat {result.repeat}"
     row = _row(result)
+    if result.value is None:
+        return f"{result.label}{which}: {result.reason or result.condition or row.reason}"
     found = " ".join(part for part in (row.value, row.spread) if part)
     return f"{result.label}{which}: {found} {printed_unit(result.unit)}, limit {_limit_words(result)}"
 
@@ -194,7 +196,7 @@ def _empty_row(result: JudgedResult, look: Look | None) -> Row:
         factor="",
         gauge=None,
         look=look,
-        reason=result.reason or "not evaluated",
+        reason=result.reason if result.reason != result.condition else "not evaluated",
     )
 
 

@@ -74,7 +74,8 @@ def banners(record: RunRecord) -> Iterator[Banner]:
         found = [outcome(one) for one in record.results if one.verdict is verdict]
         if found:
             yield Banner(style=LOOKS[verdict].style, heading=heading, text=_listed(found))
-    if record.missing or record.verdict is Verdict.INCOMPLETE:
+    unjudged = any(one.verdict is Verdict.INCOMPLETE for one in record.results)
+    if record.missing or (record.verdict is Verdict.INCOMPLETE and not unjudged):
         text = _listed(list(record.missing) or ["the run did not finish"])
         yield Banner(style=LOOKS[Verdict.INCOMPLETE].style, heading="Incomplete:", text=text)
 
@@ -110,6 +111,18 @@ def uncertainty(record: RunRecord) -> str:
 def deviations(record: RunRecord) -> tuple[str, ...]:
     """Everything that differs from a plain run of the plan."""
     return tuple(dict.fromkeys(_deviations(record)))
+
+
+def remarks(record: RunRecord) -> tuple[str, ...]:
+    """What is to be known of the acquisitions, without being a deviation."""
+    return tuple(
+        dict.fromkeys(
+            f"{item.plan.name}: {remark}"
+            for item in record.items
+            for attempt in item.attempts
+            for remark in attempt.remarks
+        )
+    )
 
 
 def _deviations(record: RunRecord) -> Iterator[str]:

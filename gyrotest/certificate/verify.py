@@ -5,7 +5,6 @@ for word. That finds altered numbers; that nobody made record and certificate an
 can tell.
 """
 
-import hashlib
 import io
 from collections.abc import Iterator
 from itertools import zip_longest
@@ -16,6 +15,7 @@ from gyrotest.certificate.csv import results_csv
 from gyrotest.certificate.pdf import RECORD_NAME, RESULTS_NAME, certificate_bytes
 from gyrotest.certificate.record import read_record, record_sha256
 from gyrotest.errors import CertificateError
+from gyrotest.recordings.digest import sha256_of
 from gyrotest.records.recording import Recording
 
 if TYPE_CHECKING:
@@ -47,12 +47,17 @@ def verify_run(folder: Path) -> tuple[str, ...]:
     except (OSError, CertificateError) as error:
         return (f"{place}: {error}",)
     recordings = [one.recording for item in record.items for one in item.attempts if one.recording]
+    root = folder if record.amends is None else folder.parent
     complaints = [
-        found for recording in recordings for found in _recording_complaints(folder, recording)
+        found for recording in recordings for found in _recording_complaints(folder, root, recording)
     ]
-    for pdf in sorted(folder.glob("*.pdf")):
+    certificates = sorted(folder.glob("*.pdf"))
+    for pdf in certificates:
         complaints += verify_pdf(pdf)
-        complaints += _attachment_complaints(pdf, data)
+    if certificates and not any(_attached_to(pdf) == data for pdf in certificates):
+        # A run that went on after an interruption has older certificates too, of its record then.
+        names = ", ".join(pdf.name for pdf in certificates)
+        complaints.append(f"{place}: no certificate has this record attached ({names})")
     return tuple(complaints)
 
 
@@ -114,29 +119,26 @@ def _difference(found: str, expected: str) -> str:
     return "differs from the record"
 
 
-def _recording_complaints(folder: Path, recording: Recording) -> Iterator[str]:
+def _recording_complaints(folder: Path, root: Path, recording: Recording) -> Iterator[str]:
     place = (folder / recording.path).resolve()
-    if not place.is_relative_to(folder.resolve()):
+    if not place.is_relative_to(root.resolve()):
         yield f"{recording.path}: lies outside the run's folder"
-    elif not place.is_file():
+    elif not place.exists():
         yield f"{recording.path}: the recording is missing"
     elif recording.sha256 is None:
         if recording.complete:
             yield f"{recording.path}: the record has no hash of it"
     else:
-        with place.open("rb") as file:
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
+        digest = sha256_of(place)
         if digest != recording.sha256:
             yield f"{recording.path}: its SHA-256 is {digest}, the record says {recording.sha256}"
 
 
-def _attachment_complaints(pdf: Path, data: bytes) -> Iterator[str]:
+def _attached_to(pdf: Path) -> bytes | None:
     from pypdf import PdfReader
     from pypdf.errors import PyPdfError
 
     try:
-        attached = _attached(PdfReader(pdf), RECORD_NAME)
+        return _attached(PdfReader(pdf), RECORD_NAME)
     except (PyPdfError, OSError, ValueError):
-        return  # that it cannot be read has been said
-    if attached is not None and attached != data:
-        yield f"{pdf.name}: the attached record is not the folder's {RECORD_NAME}"
+        return None  # that it cannot be read has been said

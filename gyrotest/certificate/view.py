@@ -209,6 +209,7 @@ def _conditions(record: RunRecord) -> Iterator[str]:
         if case.mounting is not None:
             up, north, east = case.mounting
             yield f"Sensitive axis in {name}: up {up:g}, north {north:g}, east {east:g}."
+    yield from statement.remarks(record)
 
 
 def _picture_groups(record: RunRecord) -> Iterator[PictureGroup]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gyrotest.records.figure import Figure
-from gyrotest.records.recording import Gap, Identity, Samples
+from gyrotest.records.recording import Gap, Identity
 from gyrotest.records.result import Result
 from gyrotest.records.spec import Case, Output
 from gyrotest.records.station import Accuracy, Site

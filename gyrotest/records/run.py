@@ -47,8 +47,9 @@ class InstrumentUse:
 class Attempt:
     """One try at an item: results where it was judged, a message where it was not.
 
-    `events` are faults that were overcome and other remarks; `truth` holds a simulated unit's true
-    parameters (names with their units, e.g. `turn_on_bias_dps`), empty on a real bench.
+    `events` are faults that were overcome, `remarks` what else is to be known; `truth` holds a
+    simulated unit's true parameters (names with their units, e.g. `turn_on_bias_dps`), empty on a
+    real bench.
     """
 
     item: str
@@ -62,6 +63,7 @@ class Attempt:
     recording: Recording | None = None
     instruments: tuple[InstrumentUse, ...] = ()
     events: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
     truth: Mapping[str, float] = field(default_factory=dict)
     results: tuple[JudgedResult, ...] = ()
     figures: tuple[Figure, ...] = ()

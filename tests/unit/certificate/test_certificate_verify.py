@@ -158,7 +158,39 @@ def test_record_that_is_not_the_attached_one_is_found(tmp_path: Path) -> None:
     record = with_recordings(tmp_path)
     path = write_certificate(record, tmp_path)
     (tmp_path / "run.json").write_bytes(record_bytes(dataclasses.replace(record, simulated=False)))
-    assert verify_run(tmp_path) == (f"{path.name}: the attached record is not the folder's run.json",)
+    (complaint,) = verify_run(tmp_path)
+    assert complaint.endswith(f"no certificate has this record attached ({path.name})")
+
+
+def test_an_older_certificate_beside_the_newest_is_sound(tmp_path: Path) -> None:
+    record = with_recordings(tmp_path)
+    write_certificate(dataclasses.replace(record, verdict=Verdict.INCOMPLETE), tmp_path)
+    write_certificate(record, tmp_path)
+    (tmp_path / "run.json").write_bytes(record_bytes(record))
+    assert verify_run(tmp_path) == ()
+
+
+def test_an_incomplete_recording_is_a_folder_of_segments(tmp_path: Path) -> None:
+    record = with_recordings(tmp_path)
+    attempt = record.items[0].attempts[0]
+    assert attempt.recording is not None
+    folder = tmp_path / "recordings" / "interrupted"
+    folder.mkdir()
+    (folder / "0000.arrows").write_bytes(b"begun")
+    kept = dataclasses.replace(
+        attempt.recording,
+        path="recordings/interrupted",
+        complete=False,
+        sha256=hashlib.sha256(b"begun").hexdigest(),
+    )
+    attempts = (dataclasses.replace(attempt, recording=kept),)
+    item = dataclasses.replace(record.items[0], attempts=attempts)
+    changed = dataclasses.replace(record, items=(item, *record.items[1:]))
+    (tmp_path / "run.json").write_bytes(record_bytes(changed))
+    assert verify_run(tmp_path) == ()
+    (folder / "0000.arrows").write_bytes(b"other")
+    (complaint,) = verify_run(tmp_path)
+    assert "recordings/interrupted: its SHA-256 is" in complaint
 
 
 def test_folder_without_a_record_is_a_complaint(tmp_path: Path) -> None:
