@@ -50,6 +50,8 @@ class Settings:
     timer_s: float = 1.0
     binary: bool = False
     swapped: bool = False
+    display: bool = True
+    text: str = ""
 
 
 @dataclass(slots=True, kw_only=True)

@@ -5,15 +5,29 @@ from collections.abc import Mapping, Sequence
 from gyrotest.simulation.meter import Meter
 from gyrotest.simulation.meter_actions import getter
 from gyrotest.simulation.meter_state import Settings
-from gyrotest.simulation.scpi import Action, boolean, none, number, one
+from gyrotest.simulation.scpi import Action, ScpiError, boolean, none, number, one
 
 
 def _accepted(meter: Meter, parameters: Sequence[str]) -> None:
-    """Accept what changes nothing here (display, beeper)."""
+    """Accept what changes nothing here (the beeper)."""
 
 
-def _display(meter: Meter, parameters: Sequence[str]) -> None:  # noqa: ARG001 - there is none
-    boolean(one(parameters))
+def _display(meter: Meter, parameters: Sequence[str]) -> None:
+    meter.settings.display = boolean(one(parameters))
+
+
+def _display_text(meter: Meter, parameters: Sequence[str]) -> None:
+    meter.settings.text = one(parameters).strip("\"'")
+
+
+def _clear_text(meter: Meter, parameters: Sequence[str]) -> None:
+    none(parameters)
+    meter.settings.text = ""
+
+
+def _no_calculation(_meter: Meter, parameters: Sequence[str]) -> None:
+    if boolean(one(parameters)):
+        raise ScpiError(-221)  # no math function works on the simulated meter
 
 
 def _wait(meter: Meter, parameters: Sequence[str]) -> None:
@@ -109,8 +123,13 @@ SYSTEM: Mapping[str, Action[Meter]] = {
     "SYSTem:LOCal": _local,
     "SYSTem:BEEPer[:IMMediate]": _accepted,
     "DISPlay[:WINDow][:STATe]": _display,
-    "DISPlay[:WINDow]:TEXT[:DATA]": _accepted,
-    "DISPlay[:WINDow]:TEXT:CLEar": _accepted,
+    "DISPlay[:WINDow][:STATe]?": getter(lambda meter: str(int(meter.settings.display))),
+    "DISPlay[:WINDow]:TEXT[:DATA]": _display_text,
+    "DISPlay[:WINDow]:TEXT[:DATA]?": getter(lambda meter: f'"{meter.settings.text}"'),
+    "DISPlay[:WINDow]:TEXT:CLEar": _clear_text,
+    "ROUTe:TERMinals?": getter(lambda _: "FRON"),
+    "CALCulate:STATe": _no_calculation,
+    "CALCulate:STATe?": getter(lambda _: "0"),
     "STATus:QUEStionable[:EVENt]?": getter(_questionable_event),
     "STATus:QUEStionable:ENABle": _set_questionable_enable,
     "STATus:QUEStionable:ENABle?": getter(lambda meter: f"{meter.status.questionable_enable:+d}"),

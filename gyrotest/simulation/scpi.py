@@ -26,6 +26,7 @@ MESSAGES = {
     -211: "Trigger ignored",
     -213: "Init ignored",
     -214: "Trigger deadlock",
+    -221: "Settings conflict",
     -222: "Data out of range",
     -224: "Illegal parameter value",
     -230: "Data stale",

@@ -342,6 +342,8 @@ def test_status_registers_tell_of_errors() -> None:
         ("*RST;*CLS;:SYST:ERR?", NO_ERROR),
         ('DISP OFF;DISP:TEXT "hi";TEXT:CLE;:SYST:BEEP;LOC;:SYST:ERR?', NO_ERROR),
         ("STAT:QUES:ENAB 512;ENAB?", b"+512\n"),
+        ('DISP:TEXT "hi";TEXT?;:DISP OFF;:DISP?', b'"hi";0\n'),
+        ("ROUT:TERM?;:CALC:STAT OFF;STAT?", b"FRON;0\n"),
     ],
 )
 def test_the_34401a_answers(message: str, reply: bytes) -> None:
