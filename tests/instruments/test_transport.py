@@ -11,7 +11,8 @@ from gyrotest.errors import InstrumentError, InstrumentProtocolError, Instrument
 from gyrotest.instruments.transport.channel import FlowControl, Parity, SerialLine
 from gyrotest.instruments.transport.conversation import Conversation
 from gyrotest.instruments.transport.dialogue import Dialogue, DialogueError
-from gyrotest.instruments.transport.visa import open_channel, resource_manager, socket_beneath
+from gyrotest.instruments.transport.visa import open_channel, resource_manager
+from gyrotest.instruments.transport.visa_session import socket_beneath
 from gyrotest.simulation.server import has_pty
 
 # Long enough that a test which waits for it is noticed.

@@ -6,7 +6,7 @@ import socket
 from typing import Any
 
 from gyrotest.instruments.transport.tcp import peer_has_gone, send_at_once
-from gyrotest.instruments.transport.visa import (
+from gyrotest.instruments.transport.visa_session import (
     VisaChannel,
     open_session,
     os_errors,
