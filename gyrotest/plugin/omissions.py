@@ -57,7 +57,8 @@ class Omissions:
     @pytest.hookimpl(tryfirst=True)
     def pytest_keyboard_interrupt(self, excinfo: pytest.ExceptionInfo[BaseException]) -> None:
         """The run ends early; let nothing stop what is still to be written."""
-        hold_for_good()
+        if not self._session.observes_only:
+            hold_for_good()
         detail = f" ({excinfo.value})" if str(excinfo.value) else ""
         self.add(f"the run was interrupted{detail}")
 

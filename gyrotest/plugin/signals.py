@@ -2,9 +2,11 @@
 
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from types import FrameType
+from typing import Any
 
 import pytest
 
@@ -33,38 +35,42 @@ class EndRequest:
 
 def install_signals(config: pytest.Config) -> None:
     """Let SIGTERM, SIGHUP and SIGBREAK act as Ctrl-C does, until pytest is unconfigured."""
-    before = {one: signal.getsignal(one) for one in _ENDING}
-    request = EndRequest()
-    try:
-        for one in _ENDING:
-            signal.signal(one, request)
-    except ValueError:  # not in the main thread: whoever embeds pytest there has the signals
-        return
+    before = _handlers()
+    if _set(dict.fromkeys(_ENDING, EndRequest())):
+        config.add_cleanup(partial(_restore, before))
 
-    def restore() -> None:
-        for one, handler in before.items():
-            signal.signal(one, handler)
 
-    config.add_cleanup(restore)
+def _restore(before: Mapping[signal.Signals, Any]) -> None:
+    _set(before)
 
 
 def hold_for_good() -> None:
     """Ignore further requests until pytest is unconfigured: it is ending already."""
-    try:
-        for one in _ENDING:
-            signal.signal(one, signal.SIG_IGN)
-    except ValueError:  # not in the main thread
-        return
+    _set(dict.fromkeys(_ENDING, signal.SIG_IGN))
 
 
 @contextmanager
 def hold_signals() -> Iterator[None]:
     """Ignore further requests to end while the block runs."""
-    before = {one: signal.getsignal(one) for one in _ENDING}
+    before = _handlers()
     hold_for_good()
     try:
         yield
     finally:
-        for one, handler in before.items():
-            if signal.getsignal(one) is not handler:
-                signal.signal(one, handler)
+        _set(before)
+
+
+def _handlers() -> dict[signal.Signals, Any]:
+    """The handlers by signal; those that were not set from Python cannot be set again."""
+    found = {one: signal.getsignal(one) for one in _ENDING}
+    return {one: handler for one, handler in found.items() if handler is not None}
+
+
+def _set(handlers: Mapping[signal.Signals, Any]) -> bool:
+    """Set handlers; outside the main thread whoever embeds pytest there has the signals."""
+    try:
+        for one, handler in handlers.items():
+            signal.signal(one, handler)
+    except ValueError:
+        return False
+    return True

@@ -55,6 +55,21 @@ def test_a_fault_anywhere_in_the_session_ends_in_one_incomplete_certificate(tiny
         assert "INCOMPLETE" in ended.certificates[0], plugin
 
 
+def test_a_certificate_that_cannot_be_written_leaves_no_pass(tiny: Project) -> None:
+    plugin = """
+    import gyrotest.certificate.pdf as pdf
+    def broken(record, folder):
+        raise OSError("No space left on device")
+    pdf.write_certificate = broken
+    """
+    (ended,) = tiny.sessions(_broken(plugin))
+    assert ended.code == 1
+    assert ended.record["verdict"] == "INCOMPLETE"
+    assert ended.record["missing"] == ["no certificate: OSError: No space left on device"]
+    assert ended.certificates == []
+    assert "1234: no certificate: OSError: No space left on device" in ended.out
+
+
 def test_marks_and_other_plugins_change_no_verdict(tiny: Project) -> None:
     lowering = """
     import pytest
