@@ -230,7 +230,7 @@ def test_a_gap_at_the_spin_table_is_refused_unless_the_case_says_otherwise(
     assert (refused.record.verdict, refused.attempt.outcome) == (Verdict.INCOMPLETE, Outcome.ERROR)
     assert f"1 gap in the record, after sample {after}" in refused.attempt.message
     taken, _ = spin(real_data, tmp_path / "take", name, gaps="longest_stretch")
-    told = " ".join(taken.attempt.events)
+    told = " ".join((*taken.attempt.events, *taken.attempt.remarks))
     assert f"used: samples 0 … {after}" in told
     assert "gaps (intervals above 1.5 × the median)" in told
     bias = taken.result("bias")

@@ -99,6 +99,6 @@ def test_a_meter_that_comes_back_leaves_a_gap_and_results_of_the_longest_stretch
     assert recording.samples + sum(gap.missing for gap in recording.gaps) == 180
     assert all(0 < gap.missing <= 12 for gap in recording.gaps)
     assert sum("recovered" in event for event in attempt.events) == times
-    assert any("has gaps; used: samples" in event for event in attempt.events)
+    assert any("has gaps; used: samples" in event for event in attempt.remarks)
     bias = next(one for one in attempt.results if one.name == "bias")
     assert "longest gap-free stretch" in bias.condition
