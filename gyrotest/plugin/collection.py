@@ -7,9 +7,8 @@ from typing import Any
 
 import pytest
 
-from gyrotest.plugin.session import PLANNED, GyroSession
-from gyrotest.records.run import PlannedItem
-from gyrotest.runner.flow import Acquired, UnitRun, failed_lines
+from gyrotest.plugin.session import GYRO, PLANNED, GyroSession
+from gyrotest.runner.flow import Acquired
 from gyrotest.runner.items import planned_items
 
 
@@ -45,7 +44,7 @@ class SpecModule(pytest.Module):
 
     def collect(self) -> Iterator[GyroItem]:
         """Yield the plan's items, unit by unit."""
-        session = self.config.stash[_SESSION]
+        session = self.config.stash[GYRO]
         for serial_number in session.order.serial_numbers:
             for planned in planned_items(session.order.spec.spec, serial_number):
                 judgement = judge_repeats if planned.repeat is None else judge_acquisition
@@ -56,7 +55,6 @@ class SpecModule(pytest.Module):
 
 
 SERIAL_NUMBER = pytest.StashKey[str]()
-_SESSION = pytest.StashKey[GyroSession]()
 
 
 class Collection:
@@ -65,7 +63,6 @@ class Collection:
     def __init__(self, session: GyroSession) -> None:
         self._path = Path(session.order.spec.path)
         config = session.config
-        config.stash[_SESSION] = session
         if config.args_source is not pytest.Config.ArgsSource.ARGS:
             config.args[:] = [str(self._path)]
             return
@@ -101,12 +98,3 @@ class Collection:
         ours = sorted((items[place] for place in places), key=lambda item: order[item.nodeid])
         for place, item in zip(places, ours, strict=True):
             items[place] = item
-
-
-def judge_item(run: UnitRun, planned: PlannedItem, acquired: Acquired | None) -> Any:
-    """Judge an item, put it on record; raises `LimitsNotMet` naming every limit that is not met."""
-    attempt = run.judge_repeats(planned) if acquired is None else run.judge(planned, acquired)
-    lines = failed_lines(attempt.results)
-    if lines:
-        return attempt, LimitsNotMet("\n".join(lines))
-    return attempt, None

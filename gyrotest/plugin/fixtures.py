@@ -4,13 +4,13 @@ from collections.abc import Callable
 
 import pytest
 
-from gyrotest.plugin.collection import SERIAL_NUMBER, judge_item
+from gyrotest.plugin.collection import SERIAL_NUMBER, LimitsNotMet
 from gyrotest.plugin.own_tests import GyroAcquire, GyroInstrument, GyroVerify
 from gyrotest.plugin.properties import add_properties
 from gyrotest.plugin.session import GYRO, PLANNED, GyroSession
 from gyrotest.records.spec import Spec
 from gyrotest.records.station import Station
-from gyrotest.runner.flow import Acquired, LackingError
+from gyrotest.runner.flow import Acquired, LackingError, failed_lines
 
 
 @pytest.fixture
@@ -28,16 +28,17 @@ def gyro_judgement(request: pytest.FixtureRequest) -> Callable[[Acquired | None]
     """Judge a spec's item and put it on record."""
     session = request.config.stash[GYRO]
     run = session.runs[request.node.stash[SERIAL_NUMBER]]
+    planned = request.node.stash[PLANNED]
 
     def judged(acquired: Acquired | None) -> None:
         try:
-            attempt, not_met = judge_item(run, request.node.stash[PLANNED], acquired)
+            attempt = run.judge_repeats(planned) if acquired is None else run.judge(planned, acquired)
         except LackingError as lacking:
             pytest.skip(str(lacking))
         add_properties(request.node, attempt.results)
         request.config.hook.pytest_gyro_judged(item=request.node, attempt=attempt)
-        if not_met is not None:
-            raise not_met
+        if lines := failed_lines(attempt.results):
+            raise LimitsNotMet("\n".join(lines))
 
     return judged
 
