@@ -24,7 +24,7 @@ slots:
   A: {{source: meter}}
 """
 QUICK = (
-    TINY.replace("duration: 40 s", "duration: 4 s")
+    TINY.replace("duration: 40 s", "duration: 8 s\n    gaps: longest_stretch")  # time is real here
     .replace("interval: 1 s", "interval: 100 ms")
     .replace("[1 s]", "[100 ms]")
 )
