@@ -20,6 +20,7 @@ from gyrotest.records.run import RunHeader
 from gyrotest.runner.bench import SimulationChoice
 from gyrotest.runner.door import Order, check_order, check_serial_number, open_run, reopen_run
 from gyrotest.runner.folder import RunFolder
+from gyrotest.simulation.complaints import simulation_faults
 from gyrotest.specification.lookup import find_spec, find_station
 from gyrotest.specification.spec import load_spec
 from gyrotest.specification.station import load_station
@@ -101,7 +102,7 @@ def _observes_only(config: pytest.Config) -> bool:
 def _request(config: pytest.Config, *, observes_only: bool, prompt: Prompt) -> Request:
     option = config.option
     spec = load_spec(_spec_path(config))
-    station = load_station(_station_path(config))
+    station = load_station(_station_path(config), simulation=simulation_faults)
     serial_numbers = _serial_numbers(option.gyro_serial, observes_only=observes_only)
     for serial_number in serial_numbers:
         if serial_number != PLACEHOLDER or not observes_only:

@@ -137,8 +137,9 @@ def _summary(record: RunRecord, path: Path) -> Iterator[str]:
     ]
     marked = f" ({', '.join(marks)})" if marks else ""
     yield f"{record.serial_number}: {record.verdict.value.replace('_', ' ')}{marked}"
-    for text in failed_lines(record.results):
-        yield f"  {text}"
+    for item in record.items:
+        for text in failed_lines(item.last.results if item.last else ()):
+            yield f"  {item.plan.name}: {text}"
     for text in record.missing:
         yield f"  missing: {text.splitlines()[0]}"
     yield f"  certificate: {path}"

@@ -93,7 +93,7 @@ def _text(report: pytest.TestReport, fault: BaseException | None) -> str:
 
 
 def _message_only(excinfo: pytest.ExceptionInfo[BaseException]) -> Any:
-    shown = excinfo.getrepr(style="value")
+    shown = excinfo.getrepr(style="value", chain=False)
     if shown.reprcrash is not None:
         shown.reprcrash.message = str(excinfo.value)
     return shown

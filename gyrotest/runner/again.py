@@ -37,6 +37,8 @@ def read_run(path: Path) -> RunRecord:
     """Read `run.json` of a run's folder; raises `CertificateError`."""
     try:
         return read_record((path / RECORD).read_bytes())
+    except CertificateError as error:
+        raise CertificateError(f"{path / RECORD}: {error}") from error
     except OSError as error:
         raise CertificateError(
             f"{path / RECORD}: cannot be read ({error.strerror}); is '{path}' a run's folder?"
