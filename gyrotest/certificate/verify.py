@@ -6,6 +6,7 @@ can tell.
 """
 
 import io
+import logging
 from collections.abc import Iterator
 from itertools import zip_longest
 from pathlib import Path
@@ -28,6 +29,7 @@ def verify_pdf(path: Path) -> tuple[str, ...]:
     """Return what is wrong with a certificate; nothing where it is sound."""
     from pypdf.errors import PyPdfError
 
+    logging.getLogger("pypdf").setLevel(logging.CRITICAL)  # what matters of it is told below
     # A damaged file makes the reader stumble in many ways.
     damage = (PyPdfError, OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError)
     try:

@@ -144,8 +144,12 @@ def _station_path(config: pytest.Config) -> Path:
     return find_station(name, folders).resolve()
 
 
-def _serial_numbers(given: str | None, *, observes_only: bool) -> tuple[str, ...]:
-    found = tuple(one.strip() for one in (given or "").split(","))
+def _serial_numbers(given: list[str] | None, *, observes_only: bool) -> tuple[str, ...]:
+    if given and len(given) > 1:
+        raise RefusedError(
+            f"serial numbers are given {len(given)} times; write them once, several with commas: --serial SN,SN"
+        )
+    found = tuple(one.strip() for one in (given or [""])[0].split(","))
     if any(found):
         return found
     if given is None and observes_only:

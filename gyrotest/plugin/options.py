@@ -38,6 +38,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
     group.addoption(
         "--gyro-serial",
+        action="append",
         dest="gyro_serial",
         metavar="SN[,SN…]",
         help="serial number of the unit under test (--serial too, where the project has no such option)",
@@ -82,7 +83,13 @@ def pytest_load_initial_conftests(
         return
     group = parser.getgroup(_GROUP)
     try:
-        group.addoption("--serial", dest="gyro_serial", metavar="SN[,SN…]", help="same as --gyro-serial")
+        group.addoption(
+            "--serial",
+            action="append",
+            dest="gyro_serial",
+            metavar="SN[,SN…]",
+            help="same as --gyro-serial",
+        )
     except (ValueError, argparse.ArgumentError):
         return
 

@@ -13,7 +13,7 @@ from gyrotest.plugin.properties import add_properties
 from gyrotest.plugin.session import GyroSession
 from gyrotest.recordings.reader import read_samples
 from gyrotest.records.plan import Plan
-from gyrotest.records.recording import Block, Identity, RecordingHeader, Samples
+from gyrotest.records.recording import Block, Identity, Recording, RecordingHeader, Samples
 from gyrotest.records.result import JudgedResult, Measurand, Result, Verdict
 from gyrotest.records.run import Attempt, Outcome, PlannedItem
 from gyrotest.records.spec import DecisionRule, Limit
@@ -94,19 +94,39 @@ class GyroAcquire:
         opened = bench.source(run.header.slot, self._serial_number)
         _stage(self._session, self._serial_number, self._item.nodeid, self._count, plan)
         try:
+            header = self._header(run, bench, opened, plan)
             acquisition = Acquisition(
                 source=opened.source,
                 clock=bench.clock,
                 progress=self._session.progress,
                 run_folder=run.folder.path,
-                header=self._header(run, bench, opened, plan),
+                header=header,
                 plan=plan,
             )
             recording = acquisition.run()
         except GyrotestError:
             bench.drop(opened)
             raise
+        self._put_on_record(run, opened, recording)
         return read_samples(run.folder.path / recording.path)
+
+    def _put_on_record(self, run: UnitRun, opened: OpenSource, recording: Recording) -> None:
+        """Enter the recording into the run, so that its hash is certified and verified."""
+        name = f"{self._item.nodeid}, record {self._count}"
+        run.folder.write_attempt(
+            Attempt(
+                item=name,
+                number=len(run.folder.attempts(name)) + 1,
+                outcome=Outcome.PASSED,
+                started_utc=recording.header.started_utc,
+                ended_utc=datetime.now(UTC),
+                issued_utc=datetime.now(UTC),
+                origin=origin_of(opened.use.identity),
+                recording=recording,
+                instruments=(opened.use,),
+                remarks=("A user's own test acquired it, outside of the spec's plan and warm-up.",),
+            )
+        )
 
     def _header(self, run: UnitRun, bench: Bench, opened: OpenSource, plan: Plan) -> RecordingHeader:
         item = item_file_name(f"{self._item.nodeid}-{self._count}")

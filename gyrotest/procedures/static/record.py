@@ -73,7 +73,7 @@ def static_record(samples: Samples, context: Context, parameters: StaticParamete
     sampling = samples.sampling
     window = _window(samples, parameters)
     stretches = tuple(_clipped(_stretches(samples, context), window))
-    used = _used(stretches, context)
+    used = _used(stretches, samples, context)
     values = samples.values[used.start : used.stop, 0]
     refuse_bad(values, samples.flags[used.start : used.stop], used.start)
     if used.size < SHORTEST_RECORD:
@@ -97,7 +97,10 @@ def static_record(samples: Samples, context: Context, parameters: StaticParamete
         condition=note,
         remarks=()
         if whole
-        else (f"The record has gaps; used: samples {used.start} … {used.stop - 1}.",),
+        else (
+            f"The record has gaps; used: samples {_position(samples, used.start)} …"
+            f" {_position(samples, used.stop - 1)}.",
+        ),
     )
 
 
@@ -189,12 +192,21 @@ def _clipped(stretches: tuple[Stretch, ...], window: Stretch) -> Iterator[Stretc
             yield Stretch(start=start, stop=stop)
 
 
-def _used(stretches: tuple[Stretch, ...], context: Context) -> Stretch:
+def _position(samples: Samples, row: int) -> int:
+    """Return a row's position on the acquisition's grid, by which gaps are told everywhere."""
+    places = _places(samples)
+    if places is None:
+        return row
+    first = 0 if samples.index is None else int(samples.index[0])
+    return first + int(places[row])
+
+
+def _used(stretches: tuple[Stretch, ...], samples: Samples, context: Context) -> Stretch:
     if not stretches:
         raise InsufficientDataError(f"{context.case_name}: the record has no samples")
     if len(stretches) > 1 and context.case.gaps is Gaps.REFUSE:
         gaps = len(stretches) - 1
-        places = ", ".join(str(one.stop - 1) for one in stretches[:-1][:3])
+        places = ", ".join(str(_position(samples, one.stop - 1)) for one in stretches[:-1][:3])
         more = f" and {gaps - 3} more" if gaps > 3 else ""
         found = (
             "1 gap in the record, after sample"
