@@ -177,3 +177,13 @@ def test_the_dialogue_refuses_leftovers() -> None:
         pass
     with pytest.raises(DialogueError, match="unread b'1"), Dialogue([(b"A?\n", b"1\n")]) as wire:
         wire.send(b"A?\n")
+
+
+def test_a_resource_manager_closed_by_somebody_else_is_made_anew() -> None:
+    resource_manager().close()
+
+    def answer(connection: socket.socket, data: bytes) -> None:
+        connection.sendall(b"here\n")
+
+    with responder(answer) as address, closing(conversation(address)) as talk:
+        assert talk.query("*IDN?", 5.0) == "here"

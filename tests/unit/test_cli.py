@@ -18,7 +18,8 @@ Capture = pytest.CaptureFixture[str]
 def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run's folder with its certificate; not to be changed."""
     folder = tmp_path_factory.mktemp("run")
-    short_run(folder, "34401A", "tcp")
+    record = short_run(folder, "34401A", "tcp")
+    assert not record.missing
     (run,) = (folder / "out" / "1234").iterdir()
     assert main(["report", str(run)]) == 0
     return run

@@ -21,9 +21,21 @@ from gyrotest.instruments.transport.visa_session import (
 _PROLOGIX = "PRLGX-"
 
 
-@functools.cache
 def resource_manager() -> Any:
-    """The process's one resource manager: closing one would close the sessions of all."""
+    """The process's one resource manager, made anew where somebody else in the process closed it."""
+    from pyvisa.errors import InvalidSession
+
+    manager = _resource_manager()
+    try:
+        _ = manager.session
+    except InvalidSession:
+        _resource_manager.cache_clear()
+        return _resource_manager()
+    return manager
+
+
+@functools.cache
+def _resource_manager() -> Any:
     import pyvisa
 
     with warnings.catch_warnings():

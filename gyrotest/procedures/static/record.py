@@ -98,8 +98,8 @@ def static_record(samples: Samples, context: Context, parameters: StaticParamete
         remarks=()
         if whole
         else (
-            f"The record has gaps; used: samples {_position(samples, used.start)} …"
-            f" {_position(samples, used.stop - 1)}.",
+            f"The record has gaps; used: samples {_position(samples, context, used.start)} …"
+            f" {_position(samples, context, used.stop - 1)}.",
         ),
     )
 
@@ -192,11 +192,11 @@ def _clipped(stretches: tuple[Stretch, ...], window: Stretch) -> Iterator[Stretc
             yield Stretch(start=start, stop=stop)
 
 
-def _position(samples: Samples, row: int) -> int:
+def _position(samples: Samples, context: Context, row: int) -> int:
     """Return a row's position on the acquisition's grid, by which gaps are told everywhere."""
     places = _places(samples)
     if places is None:
-        return row
+        return int(_index_from_gaps(samples.values.shape[0], context)[row])
     first = 0 if samples.index is None else int(samples.index[0])
     return first + int(places[row])
 
@@ -206,7 +206,7 @@ def _used(stretches: tuple[Stretch, ...], samples: Samples, context: Context) ->
         raise InsufficientDataError(f"{context.case_name}: the record has no samples")
     if len(stretches) > 1 and context.case.gaps is Gaps.REFUSE:
         gaps = len(stretches) - 1
-        places = ", ".join(str(_position(samples, one.stop - 1)) for one in stretches[:-1][:3])
+        places = ", ".join(str(_position(samples, context, one.stop - 1)) for one in stretches[:-1][:3])
         more = f" and {gaps - 3} more" if gaps > 3 else ""
         found = (
             "1 gap in the record, after sample"

