@@ -36,7 +36,7 @@ def gauge(result: JudgedResult, colour: str) -> Gauge | None:
         ),
         *(_tick(scale.place(one)) for one in (limit.min, limit.max) if one is not None),
         _line(scale.place(low), scale.place(high), colour, 1.2),
-        _value(scale.place(result.value), colour),
+        _value(scale, result.value, colour),
     ]
     image = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{_WIDTH:g}pt" height="{_HEIGHT:g}pt" '
@@ -92,8 +92,13 @@ def _tick(place: float) -> str:
     return f'<path d="M{place:.1f} 1V8" stroke="{_TICK}" stroke-width="0.9" fill="none"/>'
 
 
-def _value(place: float, colour: str) -> str:
-    return f'<circle cx="{place:.1f}" cy="{_MIDDLE}" r="2.3" fill="{colour}"/>'
+def _value(scale: _Scale, value: float, colour: str) -> str:
+    """A dot; beyond the drawing's end an arrow that points there."""
+    place = scale.place(value)
+    if scale.low <= value <= scale.high:
+        return f'<circle cx="{place:.1f}" cy="{_MIDDLE}" r="2.3" fill="{colour}"/>'
+    way = 2.5 if value > scale.high else -2.5
+    return f'<path d="M{place - way:.1f} 1.6L{place + way:.1f} {_MIDDLE}L{place - way:.1f} 7.4Z" fill="{colour}"/>'
 
 
 def _words(result: JudgedResult) -> str:

@@ -62,7 +62,10 @@ def _distributed(config: pytest.Config) -> bool:
 
 
 def _asked(question: str) -> str:
+    # Written here, not by `input`: a plain terminal's line editor scrolls a long question away.
+    sys.stdout.write(question)
+    sys.stdout.flush()
     try:
-        return input(question)
+        return input()
     except EOFError:
         return "stop"

@@ -94,8 +94,14 @@ def _sessions(project: Project, *tests: str, arguments: tuple[str, ...] = ()) ->
     )
 
 
-def _outcomes(ended: SessionEnded) -> list[str]:
+def _own_items(ended: SessionEnded, *, records: bool = False) -> list[dict[str, Any]]:
+    """The user's own tests on record, or the recordings that they made."""
     own = [one for one in ended.record["items"] if "::" in one["plan"]["name"]]
+    return [one for one in own if (", record " in one["plan"]["name"]) == records]
+
+
+def _outcomes(ended: SessionEnded) -> list[str]:
+    own = _own_items(ended)
     return [attempt["outcome"] for one in own for attempt in one["attempts"]]
 
 
@@ -111,7 +117,11 @@ def test_own_tests_use_the_instrument_and_are_certified(tiny: Project) -> None:
     own = _own_results(ended.record)
     assert own["quiet_noise"]["verdict"] == "PASS"
     assert own["offset"]["unit"] == "V"
-    (item,) = [one for one in ended.record["items"] if "::" in one["plan"]["name"]]
+    (recorded,) = _own_items(ended, records=True)
+    recording = recorded["attempts"][0]["recording"]
+    assert recording["complete"] is True
+    assert recording["sha256"]
+    (item,) = _own_items(ended)
     assert item["attempts"][0]["origin"] == "simulated"
 
 
