@@ -67,13 +67,6 @@ class Playback(Protocol):
         """What is to be known of the stretch that was played, for the certificate."""
 
 
-class Sink(Protocol):
-    """What wants to see the blocks as they arrive: the recording, the progress, a live curve."""
-
-    def push(self, block: Block) -> None:
-        """Take a block; must be quick."""
-
-
 class Procedure(Protocol):
     """A test kind: what it measures, what it needs acquired, what it makes of it. No I/O.
 

@@ -129,8 +129,6 @@ def _deviations(record: RunRecord) -> Iterator[str]:
     header = record.header
     yield from header.deviations
     yield from _calibrations(record)
-    if header.resumed_from:
-        yield f"resumed from {header.resumed_from}; its finished recordings were taken over"
     for item in record.items:
         yield from _of_item(item)
 

@@ -118,7 +118,6 @@ class RunHeader:
     command: str = ""
     attempt: int = 1
     earlier_runs: tuple[str, ...] = ()
-    resumed_from: str | None = None
     deviations: tuple[str, ...] = ()
     plan: tuple[PlannedItem, ...] = ()
     slot: str = ""

@@ -284,11 +284,8 @@ def test_our_own_recording_plays_with_its_gaps_its_unit_and_its_duty(tmp_path, c
 
 
 @pytest.fixture
-def data(pytestconfig) -> Path:
-    folder = pytestconfig.rootpath.parent / "shared" / "data"
-    if not folder.is_dir():
-        pytest.skip(f"the real recordings are not there ({folder})")
-    return folder
+def data(real_data: Path) -> Path:
+    return real_data
 
 
 def test_the_adis16405_at_rest(data):
