@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrotest.analysis.noise import NoiseModel
+from gyrotest.analysis.noise_model import NoiseModel
 from gyrotest.analysis.noise_terms import FLICKER
 
 _FEWEST_FREEDOM = 5.0
@@ -35,11 +35,13 @@ def mean_uncertainty(
 
     Notes
     -----
-    u² = N²/T + (2 ln 2/π)·B² + K²·(T/3 + t₀). N²/T and K²T/3 are at once the Allan variances at T
-    and the variances of the mean about the bias at the record's begin; s/√n would count samples
-    that are not independent. The degrees of freedom are 2u⁴ over the variance of u².
+    u² = 3Q²/T² + N²/T + (2 ln 2/π)·B² + K²·(T/3 + t₀) + R²T²/12. N²/T and K²T/3 are at once the Allan
+    variances at T and the variances of the mean about the bias at the record's begin; R·T/√12 is how
+    a ramp's rate spreads over the record; s/√n would count samples that are not independent. The
+    degrees of freedom are 2u⁴ over the variance of u².
     """
-    gradient = np.array([1.0 / duration_s, FLICKER, duration_s / 3.0 + since_power_on_s])
+    walk = duration_s / 3.0 + since_power_on_s
+    gradient = np.array([3.0 / duration_s**2, 1.0 / duration_s, FLICKER, walk, duration_s**2 / 12.0])
     variance = float(gradient @ model.prudent_squares)
     spread = float(gradient @ model.covariance @ gradient)
     return MeanUncertainty(

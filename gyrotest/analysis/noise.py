@@ -14,8 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from gyrotest.analysis.allan import AllanDeviation, log_spaced_factors, overlapping_allan_deviation
 from gyrotest.analysis.interval import NORMAL_95, chi_square_quantile
+from gyrotest.analysis.noise_model import NoiseModel, NoiseTerm, carried_range
 from gyrotest.analysis.noise_terms import Grid, allan_columns, allan_response, spectrum_columns
 from gyrotest.errors import InsufficientDataError
+
+__all__ = ["SHORTEST_RECORD", "NoiseModel", "NoiseTerm", "fitted_factors", "identify_noise"]
 
 SHORTEST_RECORD = 36
 """Samples below which no noise model is fitted."""
@@ -23,67 +26,12 @@ SHORTEST_RECORD = 36
 _FITTED_GROUPS = 4
 
 _ONE_SIDED_95 = 1.6448536269514722
+_ONE_SIDED_68 = 0.4752995
 _ITERATIONS = 3
-_PRUDENCE = 0.12
 _PER_DECADE = 5
 _POINTS_PER_DECADE = 300
 _FEWEST_TIMES = 8
 _MISFIT = 0.995
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NoiseTerm:
-    """A coefficient with its standard uncertainty and 95 % interval.
-
-    Where the record does not resolve the term (`resolved` is False) `upper_95` is a one-sided
-    upper limit and `lower_95` is 0.
-    """
-
-    value: float
-    standard_uncertainty: float
-    lower_95: float
-    upper_95: float
-    resolved: bool
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NoiseModel:
-    """A record's noise: apparent angle random walk, °/√s, bias instability, °/s, rate random walk, °/s/√s.
-
-    `covariance` (3, 3) belongs to the squared coefficients. `first_tau_s` … `last_tau_s` were
-    fitted; `misfit` is chi-square over its degrees of freedom (about 1 where the model describes
-    the record; uncertainties are widened by its root where it is significantly larger).
-    """
-
-    angle_random_walk: NoiseTerm
-    bias_instability_coefficient: NoiseTerm
-    rate_random_walk: NoiseTerm
-    covariance: NDArray[np.float64]
-    first_tau_s: float
-    last_tau_s: float
-    misfit: float
-    grid: Grid
-
-    @property
-    def squares(self) -> NDArray[np.float64]:
-        """The squared coefficients N², B², K²."""
-        terms = (self.angle_random_walk, self.bias_instability_coefficient, self.rate_random_walk)
-        return np.array([term.value**2 for term in terms])
-
-    @property
-    def prudent_squares(self) -> NDArray[np.float64]:
-        """The squared coefficients, with K² an eighth of its standard uncertainty higher.
-
-        For uncertainties: a walk that a record does not resolve is not a walk that is absent.
-        """
-        squares = self.squares
-        squares[2] += _PRUDENCE * np.sqrt(self.covariance[2, 2])
-        return squares
-
-    def allan_deviation_dps(self, averaging_factors: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the fitted curve."""
-        curve: NDArray[np.float64] = np.sqrt(allan_columns(averaging_factors, self.grid) @ self.squares)
-        return curve
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -267,40 +215,59 @@ def _non_negative(problem: _Problem, covariance: NDArray[np.float64]) -> _Fit:
 
 
 def _model(fit: _Fit, problem: _Problem, grid: Grid) -> NoiseModel:
+    from scipy.special import chdtrc
+
     misfit = fit.chi_square / fit.freedom
     significant = fit.chi_square > chi_square_quantile(0.999, fit.freedom)
     covariance = fit.covariance * (misfit if significant else 1.0)
     covariance.setflags(write=False)
-    angle, bias, walk = (_term(fit, covariance, which) for which in range(3))
+    tau_s = problem.factors * grid.interval_s
+    parts = problem.columns * fit.squares
+    shares: NDArray[np.float64] = parts / parts.sum(axis=1, keepdims=True)
+    terms = [_term(fit, covariance, which, tau_s, shares[:, which]) for which in range(5)]
     return NoiseModel(
-        angle_random_walk=angle,
-        bias_instability_coefficient=bias,
-        rate_random_walk=walk,
+        quantization_noise=terms[0],
+        angle_random_walk=terms[1],
+        bias_instability_coefficient=terms[2],
+        rate_random_walk=terms[3],
+        rate_ramp=terms[4],
         covariance=covariance,
-        first_tau_s=float(problem.factors[0]) * grid.interval_s,
-        last_tau_s=float(problem.factors[-1]) * grid.interval_s,
+        lines=(),
+        drift=None,
+        first_tau_s=float(tau_s[0]),
+        last_tau_s=float(tau_s[-1]),
         misfit=misfit,
+        fit_probability=float(chdtrc(fit.freedom, fit.chi_square)),
         grid=grid,
     )
 
 
-def _term(fit: _Fit, covariance: NDArray[np.float64], which: int) -> NoiseTerm:
+def _term(
+    fit: _Fit,
+    covariance: NDArray[np.float64],
+    which: int,
+    tau_s: NDArray[np.float64],
+    share: NDArray[np.float64],
+) -> NoiseTerm:
     """Make a term whose interval is symmetric in the squared coefficient; the root is taken last."""
     square = max(float(fit.squares[which]), 0.0)
     sigma = float(np.sqrt(_variance(fit, covariance, which)))
+    resolved = square > NORMAL_95 * sigma
+    widths = (1.0, NORMAL_95) if resolved else (_ONE_SIDED_68, _ONE_SIDED_95)
+    upper_68, upper_95 = (float(np.sqrt(square + width * sigma)) for width in widths)
+    lower_68, lower_95 = (
+        float(np.sqrt(square - width * sigma)) if resolved else 0.0 for width in widths
+    )
     value = float(np.sqrt(square))
-    if square > NORMAL_95 * sigma:
-        lower, upper = np.sqrt(square - NORMAL_95 * sigma), np.sqrt(square + NORMAL_95 * sigma)
-        return NoiseTerm(
-            value=value,
-            standard_uncertainty=sigma / (2.0 * value),
-            lower_95=float(lower),
-            upper_95=float(upper),
-            resolved=True,
-        )
-    upper = float(np.sqrt(square + _ONE_SIDED_95 * sigma))
     return NoiseTerm(
-        value=value, standard_uncertainty=upper / NORMAL_95, lower_95=0.0, upper_95=upper, resolved=False
+        value=value,
+        standard_uncertainty=sigma / (2.0 * value) if resolved else upper_95 / NORMAL_95,
+        lower_68=lower_68,
+        upper_68=upper_68,
+        lower_95=lower_95,
+        upper_95=upper_95,
+        resolved=resolved,
+        carries=carried_range(tau_s, share),
     )
 
 

@@ -3,8 +3,8 @@
 A record has one sample every `interval_s`, each the mean over `aperture_s` of it. Where the
 aperture fills the interval the Allan variances are the textbook ones; where it does not, what lies
 above half the sampling rate folds back and adds at short averaging times.
-All is per unit of the squared coefficient; columns stand for N (angle random walk), B (bias
-instability coefficient) and K (rate random walk), in that order.
+All is per unit of the squared coefficient; columns stand for Q (quantization noise), N (angle random
+walk), B (bias instability coefficient), K (rate random walk) and R (rate ramp), in that order.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ class Grid:
 
 
 def allan_columns(averaging_factors: NDArray[np.int64], grid: Grid) -> NDArray[np.float64]:
-    """Allan variance of each term, shape (k, 3).
+    """Allan variance of each term, shape (k, 5).
 
     N is the apparent one, as the record shows it: dead time is taken out of it afterwards.
     """
@@ -37,7 +37,8 @@ def allan_columns(averaging_factors: NDArray[np.int64], grid: Grid) -> NDArray[n
     dead = grid.interval_s - grid.aperture_s
     flicker = FLICKER + _folded_flicker(averaging_factors, grid)
     # A random walk averaged over the aperture: D(τ) = K²(τ − a/3) is its structure function.
-    return np.column_stack((1.0 / tau, flicker, tau / 3.0 + dead / (6.0 * m)))
+    walk = tau / 3.0 + dead / (6.0 * m)
+    return np.column_stack((3.0 / tau**2, 1.0 / tau, flicker, walk, tau**2 / 2.0))
 
 
 def _folded_flicker(averaging_factors: NDArray[np.int64], grid: Grid) -> NDArray[np.float64]:
@@ -73,7 +74,10 @@ def _twice_integrated_log(t: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def spectrum_columns(frequency_hz: NDArray[np.float64], grid: Grid) -> NDArray[np.float64]:
-    """One-sided spectral density of the samples, shape (k, 3), for 0 < f ≤ 1/(2·interval)."""
+    """One-sided spectral density of the samples, shape (k, 5), for 0 < f ≤ 1/(2·interval).
+
+    A ramp has none: it is no noise.
+    """
     p, a = grid.interval_s, grid.aperture_s
     white = np.full(frequency_hz.size, 2.0)
     folded = np.zeros(frequency_hz.size)
@@ -82,7 +86,8 @@ def spectrum_columns(frequency_hz: NDArray[np.float64], grid: Grid) -> NDArray[n
         folded += np.sinc(f * a) ** 2 / (np.pi * f)
     cosine = np.cos(2.0 * np.pi * frequency_hz * p)
     walk = 2.0 * p * (p - a / 3.0 * (1.0 - cosine)) / (2.0 * (1.0 - cosine))
-    return np.column_stack((white, folded, walk))
+    quantization = 4.0 * (1.0 - cosine) / p
+    return np.column_stack((quantization, white, folded, walk, np.zeros(frequency_hz.size)))
 
 
 def allan_response(

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.analysis.interval import deviation_bounds
-from gyrotest.analysis.noise import NoiseModel
+from gyrotest.analysis.noise_model import NoiseModel
 from gyrotest.analysis.noise_terms import Grid, spectrum_columns
 from gyrotest.errors import InsufficientDataError
 

@@ -87,8 +87,8 @@ def test_each_allan_variance_is_its_spectrum_under_the_response(duty: float) -> 
     response = allan_response(middle, factors, grid) * np.diff(edges)
     expected = response @ spectrum_columns(middle, grid)
     columns = allan_columns(factors, grid)
-    np.testing.assert_allclose(columns[:, 0], expected[:, 0], rtol=2e-3)
-    np.testing.assert_allclose(columns[:, 1:], expected[:, 1:], rtol=2e-2)
+    np.testing.assert_allclose(columns[:, :2], expected[:, :2], rtol=2e-3)
+    np.testing.assert_allclose(columns[:, 2:4], expected[:, 2:4], rtol=2e-2)
 
 
 @pytest.mark.parametrize("samples", [2, 35])

@@ -34,7 +34,7 @@ def test_the_value_is_the_sample_deviation_of_the_averages() -> None:
 
 @pytest.mark.parametrize("count", [2, 7, 36, 400])
 def test_white_averages_have_one_less_degree_of_freedom_than_averages(count: int) -> None:
-    edf = smoothed_edf(count, smoothing_s=10.0, squares=np.array([1.0, 0.0, 0.0]))
+    edf = smoothed_edf(count, smoothing_s=10.0, squares=np.array([0.0, 1.0, 0.0, 0.0, 0.0]))
     assert edf == pytest.approx(count - 1)
 
 
@@ -43,12 +43,12 @@ def test_a_random_walk_has_its_exact_degrees_of_freedom(count: int) -> None:
     step = np.arange(count)
     walk = np.minimum(step[:, None], step[None, :]) * 10.0
     walk += 10.0 * (1 / 2 - np.eye(count) / 6)  # averaged over the steps
-    edf = smoothed_edf(count, smoothing_s=10.0, squares=np.array([0.0, 0.0, 1.0]))
+    edf = smoothed_edf(count, smoothing_s=10.0, squares=np.array([0.0, 0.0, 0.0, 1.0, 0.0]))
     assert edf == pytest.approx(exact_edf(walk), rel=0.05)
 
 
 def test_a_very_long_record_is_thinned_without_harm() -> None:
-    squares = np.array([1.0, 0.01, 1e-9])
+    squares = np.array([0.0, 1.0, 0.01, 1e-9, 0.0])
     count = 50_000
     modes = np.arange(1, count)
     from gyrotest.analysis.noise_terms import Grid, spectrum_columns
