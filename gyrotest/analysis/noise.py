@@ -223,8 +223,11 @@ def _model(fit: _Fit, problem: _Problem, grid: Grid) -> NoiseModel:
     covariance.setflags(write=False)
     tau_s = problem.factors * grid.interval_s
     parts = problem.columns * fit.squares
-    shares: NDArray[np.float64] = parts / parts.sum(axis=1, keepdims=True)
-    terms = [_term(fit, covariance, which, tau_s, shares[:, which]) for which in range(5)]
+    shares = parts / parts.sum(axis=1, keepdims=True)
+    terms = [
+        _term(fit, covariance, which, tau_s, np.asarray(shares[:, which], dtype=np.float64))
+        for which in range(5)
+    ]
     return NoiseModel(
         quantization_noise=terms[0],
         angle_random_walk=terms[1],
