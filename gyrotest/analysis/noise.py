@@ -221,7 +221,7 @@ def _model(fit: _Fit, problem: _Problem, grid: Grid) -> NoiseModel:
     significant = fit.chi_square > chi_square_quantile(0.999, fit.freedom)
     covariance = fit.covariance * (misfit if significant else 1.0)
     covariance.setflags(write=False)
-    tau_s = problem.factors * grid.interval_s
+    tau_s = np.asarray(problem.factors * grid.interval_s, dtype=np.float64)
     parts = problem.columns * fit.squares
     shares = parts / parts.sum(axis=1, keepdims=True)
     terms = [
