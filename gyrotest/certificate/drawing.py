@@ -11,8 +11,8 @@ from matplotlib.path import Path
 
 from gyrotest.certificate.axes import fit, lay_scales, write_x_label, write_y_label
 from gyrotest.certificate.labels import write_texts
-from gyrotest.certificate.style import BAND, BAR, POINTS, STROKES, WIDTHS
-from gyrotest.records.figure import Bars, Curve, Figure, Panel, Role, Scale
+from gyrotest.certificate.style import BAND, BAR, POINTS, STROKES, WIDTHS, series_stroke, stroke_of
+from gyrotest.records.figure import Band, Bars, Curve, Figure, Panel, Role, Scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,6 +22,7 @@ _PANEL, _LOG_FACTOR, _BETWEEN = 96.0, 1.95, 9.0
 _FLOOR_SHOWN = 4.0  # of a noise floor far below the data, its highest part down to this factor is shown
 _BEHIND, _BEFORE = 2.0, 2.5
 _MARK = 4.4
+_SERIES_BAND = 0.28  # opacity: bands of several records lie over one another
 
 
 def drawing(figure: Figure) -> Paper:
@@ -61,7 +62,7 @@ def _paper(figure: Figure) -> tuple[Paper, list["Axes"]]:
 
 def _draw_panel(axes: "Axes", panel: Panel) -> None:
     for band in panel.bands:
-        axes.fill_between(band.x, band.lower, band.upper, color=BAND, linewidth=0)
+        _draw_band(axes, band)
     if panel.bars:
         _draw_bars(axes, panel.bars)
     for curve in panel.curves:
@@ -70,6 +71,14 @@ def _draw_panel(axes: "Axes", panel: Panel) -> None:
         axes.plot(
             [mark.x], [mark.y], "o", color=STROKES[Role.DATA].colour, markersize=_MARK, markeredgewidth=0
         )
+
+
+def _draw_band(axes: "Axes", band: Band) -> None:
+    if band.series:
+        colour, alpha = series_stroke(band.series).colour, _SERIES_BAND
+    else:
+        colour, alpha = BAND, None
+    axes.fill_between(band.x, band.lower, band.upper, color=colour, alpha=alpha, linewidth=0)
 
 
 def _draw_bars(axes: "Axes", bars: Bars) -> None:
@@ -83,7 +92,7 @@ def _draw_bars(axes: "Axes", bars: Bars) -> None:
 
 
 def _draw_curve(axes: "Axes", curve: Curve) -> None:
-    stroke = STROKES[curve.role]
+    stroke = stroke_of(curve)
     line = Line2D(
         curve.x,
         curve.y,

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.font_manager import FontProperties
+from matplotlib.lines import Line2D
 from matplotlib.textpath import text_to_path
-from matplotlib.transforms import Bbox
+from matplotlib.transforms import Affine2D, Bbox
 from numpy.typing import ArrayLike, NDArray
 
-from gyrotest.certificate.style import FAINT, FONT_SIZE, INK, STROKES
-from gyrotest.records.figure import Mark, Panel
+from gyrotest.certificate.style import FAINT, FONT_SIZE, INK, POINTS, Stroke, stroke_of
+from gyrotest.records.figure import Mark, Panel, Role
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,12 +25,13 @@ _SPACING = 3.0
 _PLACES = 25
 _LEADER = 7.0  # from which distance on a mark is joined to its text
 _MARK = 2.5
+_SAMPLE = 18.0  # of a line in a legend
 
 
 def write_texts(axes: "Axes", panel: Panel) -> None:
     """Write the marks' texts, the names of curves and bands, and the note, each where there is room."""
     names = list(_names(axes, panel))
-    if not (panel.marks or panel.note or any(name.text for name in names)):
+    if not (panel.marks or panel.note or panel.legend or any(name.text for name in names)):
         return
     marks = [axes.transData.transform((mark.x, mark.y)) for mark in panel.marks]
     layout = Layout(
@@ -39,6 +41,8 @@ def write_texts(axes: "Axes", panel: Panel) -> None:
     )
     for mark, (x, y) in zip(panel.marks, marks, strict=True):
         _write_mark(axes, mark, layout.around(mark.label, x, y), x, y)
+    if panel.legend:
+        _write_legend(axes, panel, layout)
     for name in names:
         if name.text and len(name.line):
             _write(axes, name.text, layout.along(name.text, name.line), name.colour)
@@ -57,7 +61,8 @@ class _Name:
 
 def _names(axes: "Axes", panel: Panel) -> Iterator[_Name]:
     for curve in panel.curves:
-        yield _Name(curve.label, STROKES[curve.role].colour, _line(axes, curve.x, curve.y))
+        text = "" if panel.legend and curve.role is Role.DATA else curve.label
+        yield _Name(text, stroke_of(curve).colour, _line(axes, curve.x, curve.y))
     for band in panel.bands:
         if band.label:
             yield _Name(band.label, FAINT, _line(axes, band.x, band.upper))
@@ -96,7 +101,11 @@ class Layout:
 
     def corner(self, text: str) -> Bbox:
         """Place a note in the emptiest corner."""
-        width, height = extent = size(text)
+        return self.block(*size(text))
+
+    def block(self, width: float, height: float) -> Bbox:
+        """Place what takes so much room in the emptiest corner."""
+        extent = (width, height)
         x0, y0, x1, y1 = self.frame.extents
         places = (
             (left, foot)
@@ -165,6 +174,32 @@ def _write(axes: "Axes", text: str, box: Bbox, colour: str) -> None:
         color=colour,
         bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "alpha": 0.7, "linewidth": 0},
     )
+
+
+def _write_legend(axes: "Axes", panel: Panel, layout: Layout) -> None:
+    """Write the names of data curves under one another, each behind a piece of its line."""
+    named = [(one.label, stroke_of(one)) for one in panel.curves if one.role is Role.DATA and one.label]
+    if not named:
+        return
+    height = size("")[1]
+    box = layout.block(_SAMPLE + _GAP + max(size(text)[0] for text, _ in named), height * len(named))
+    for row, (text, stroke) in enumerate(named):
+        top = box.y1 - row * height
+        _draw_sample(axes, stroke, box.x0, top - height / 2)
+        left = box.x0 + _SAMPLE + _GAP
+        _write(axes, text, Bbox([[left, top - height], [left + size(text)[0], top]]), INK)
+
+
+def _draw_sample(axes: "Axes", stroke: Stroke, x: float, y: float) -> None:
+    line = Line2D(
+        (x, x + _SAMPLE),
+        (y, y),
+        transform=Affine2D().scale(1 / POINTS) + axes.figure.dpi_scale_trans,
+        color=stroke.colour,
+        linewidth=stroke.width,
+        linestyle=(0, stroke.dashes) if stroke.dashes else "-",
+    )
+    axes.add_artist(line)
 
 
 def _write_mark(axes: "Axes", mark: Mark, box: Bbox, x: float, y: float) -> None:

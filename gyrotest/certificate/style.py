@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from gyrotest.records.figure import Role, Width
+from gyrotest.records.figure import Curve, Role, Width
 
 POINTS = 72  # of an inch; matplotlib sizes paper in inches
 FONT_SIZE = 6.6
@@ -57,11 +57,32 @@ STROKES = {
     Role.DATA: Stroke("#1f4e79", 1.1),
     Role.MEAN: Stroke("#12304f", 0.8),
     Role.MODEL: Stroke("#946200", 1.1),
+    Role.COMPONENT: Stroke("#946200", 0.55),
     Role.GUIDE: Stroke("#946200", 0.9, (1, 1.8)),
     Role.LIMIT: Stroke("#c1272d", 1.0, (4.5, 2.2), behind=True),
     Role.DATASHEET: Stroke("#6a4c93", 0.9, (6, 1.8, 1.2, 1.8), behind=True),
     Role.FLOOR: Stroke("#7d8791", 0.9, behind=True),
 }
+
+# Data of several records: told apart by colour and, in print, by dashes.
+SERIES = (
+    STROKES[Role.DATA],
+    Stroke("#b3541e", 1.1, (5, 1.4)),
+    Stroke("#2b7a55", 1.1, (2.4, 1.2)),
+    Stroke("#8a3a76", 1.1, (7, 1.4, 1.6, 1.4)),
+    Stroke("#3d8fb5", 1.1),
+    Stroke("#7a6a1f", 1.1, (1.4, 1.2)),
+)
+
+
+def stroke_of(curve: Curve) -> Stroke:
+    """Return how a curve is drawn."""
+    return series_stroke(curve.series) if curve.role is Role.DATA else STROKES[curve.role]
+
+
+def series_stroke(series: int) -> Stroke:
+    """Return how the data of one of several records are drawn."""
+    return SERIES[series % len(SERIES)]
 
 
 @contextmanager

@@ -10,6 +10,7 @@ class Role(StrEnum):
     DATA = "data"
     MEAN = "mean"
     MODEL = "model"
+    COMPONENT = "component"
     GUIDE = "guide"
     LIMIT = "limit"
     DATASHEET = "datasheet"
@@ -32,22 +33,27 @@ class Width(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Curve:
-    """Points joined by a line; `label` is written beside the curve (empty: none)."""
+    """Points joined by a line; `label` is written beside the curve (empty: none).
+
+    `series` tells the data of several records apart, from 0.
+    """
 
     x: tuple[float, ...]
     y: tuple[float, ...]
     role: Role = Role.DATA
     label: str = ""
+    series: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Band:
-    """A shaded band between two curves."""
+    """A shaded band between two curves; `series` as of the curve that it belongs to."""
 
     x: tuple[float, ...]
     lower: tuple[float, ...]
     upper: tuple[float, ...]
     label: str = ""
+    series: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,7 +75,7 @@ class Bars:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Panel:
-    """One pair of axes."""
+    """One pair of axes; with `legend` the names of data curves stand together, each with its line."""
 
     y_label: str
     x_label: str = ""
@@ -81,6 +87,7 @@ class Panel:
     bars: Bars | None = None
     marks: tuple[Mark, ...] = ()
     note: str = ""
+    legend: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
