@@ -1,58 +1,47 @@
-"""Allan deviation of a rate record, overlapping and classic, with chi-square intervals."""
+"""Allan deviation of rate records and its family, with chi-square intervals."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gyrotest.analysis.angle import BLOCK, angle, checked_rate
-from gyrotest.analysis.edf import allan_edf
-from gyrotest.analysis.interval import ONE_SIGMA, Bounds, deviation_bounds
-from gyrotest.analysis.noise_type import NoiseType, noise_types
+from gyrotest.analysis.angle import angle, checked_rate
+from gyrotest.analysis.curve import (
+    AllanDeviation,
+    bounded_curve,
+    checked_factors,
+    checked_sample_rate,
+    default_factors,
+    log_spaced_factors,
+)
+from gyrotest.analysis.edf import Variance, allan_edf
+from gyrotest.analysis.noise_type import noise_types
+from gyrotest.analysis.variances import (
+    classic_variances,
+    hadamard_variances,
+    modified_variances,
+    overlapping_variances,
+    total_variances,
+)
 from gyrotest.errors import InsufficientDataError
 
-GROUPS = 9
-"""Independent groups that the longest default averaging time leaves."""
+__all__ = [
+    "FLAT",
+    "AllanDeviation",
+    "allan_deviation",
+    "default_factors",
+    "hadamard_deviation",
+    "log_spaced_factors",
+    "modified_allan_deviation",
+    "overlapping_allan_deviation",
+    "total_deviation",
+]
 
 FLAT = 0.6642824702679600
 """Allan deviation of flicker noise over its coefficient: sqrt(2 ln 2 / π), IEEE 952."""
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AllanDeviation:
-    """An Allan deviation curve; every array has shape (k,), one entry an averaging time.
-
-    `lower_dps` and `upper_dps` are the 68.3 % chi-square bounds; `noise_type` rules the degrees of
-    freedom `edf`.
-    """
-
-    averaging_factor: NDArray[np.int64]
-    tau_s: NDArray[np.float64]
-    deviation_dps: NDArray[np.float64]
-    n_differences: NDArray[np.int64]
-    edf: NDArray[np.float64]
-    lower_dps: NDArray[np.float64]
-    upper_dps: NDArray[np.float64]
-    noise_type: tuple[NoiseType, ...]
-
-    def at(self, averaging_factors: NDArray[np.int64]) -> "AllanDeviation":
-        """Take the curve at some of its averaging factors only."""
-        chosen = np.flatnonzero(np.isin(self.averaging_factor, averaging_factors))
-        return AllanDeviation(
-            averaging_factor=self.averaging_factor[chosen],
-            tau_s=self.tau_s[chosen],
-            deviation_dps=self.deviation_dps[chosen],
-            n_differences=self.n_differences[chosen],
-            edf=self.edf[chosen],
-            lower_dps=self.lower_dps[chosen],
-            upper_dps=self.upper_dps[chosen],
-            noise_type=tuple(self.noise_type[int(place)] for place in chosen),
-        )
-
-    def bounds_dps(self, confidence: float = 0.95) -> Bounds:
-        """Return chi-square bounds at another confidence."""
-        return deviation_bounds(self.deviation_dps, self.edf, confidence=confidence)
+_Factors = NDArray[np.int64]
 
 
 def overlapping_allan_deviation(
@@ -63,30 +52,30 @@ def overlapping_allan_deviation(
     Parameters
     ----------
     rate_dps
-        Shape (n,): rate samples, evenly spaced, °/s.
+        Shape (..., n): rate samples, evenly spaced, °/s; leading axes for several gyro axes.
     sample_rate_hz
         Samples a second.
     averaging_factors
-        Samples in a group; by default ten a decade, from 1 to floor(n/9).
+        Samples in a group, positive whole numbers; by default ten a decade, from 1 to floor(n/9).
 
     Returns
     -------
     AllanDeviation
+        With the record's leading axes; averaging factors ascending, each once.
 
     Raises
     ------
     InsufficientDataError
-        Too few samples for the factors, a sample that is not finite, or a constant record.
+        Too few samples for the factors, a sample that is not finite, or a constant record; of
+        several axes the first such one is named.
+    ValueError
+        An averaging factor is no positive whole number, or a sample rate not positive and finite.
 
     Notes
     -----
     NIST SP 1065 eq. 11; IEEE 952 Annex C.
     """
-    rate = checked_rate(rate_dps)
-    factors = _checked_factors(rate.size, averaging_factors)
-    theta = angle(rate)
-    variances = np.array([_overlapping_variance(theta, int(m)) for m in factors])
-    return _with_intervals(theta, factors, variances, sample_rate_hz, overlapping=True)
+    return _curve(rate_dps, _OVERLAPPING, sample_rate_hz, averaging_factors)
 
 
 def allan_deviation(
@@ -100,97 +89,154 @@ def allan_deviation(
 
     Notes
     -----
-    NIST SP 1065 eq. 8.
+    NIST SP 1065 eq. 7.
     """
-    rate = checked_rate(rate_dps)
-    factors = _checked_factors(rate.size, averaging_factors)
-    theta = angle(rate)
-    variances = np.array([_classic_variance(theta, int(m)) for m in factors])
-    return _with_intervals(theta, factors, variances, sample_rate_hz, overlapping=False)
+    return _curve(rate_dps, _CLASSIC, sample_rate_hz, averaging_factors)
 
 
-def default_factors(samples: int) -> NDArray[np.int64]:
-    """Return averaging factors, ten a decade, from 1 to floor(samples/9); raises `InsufficientDataError`."""
-    if samples < GROUPS:
-        raise InsufficientDataError(
-            f"the record has {samples} samples; an Allan deviation needs at least {GROUPS} groups"
-        )
-    return log_spaced_factors(samples // GROUPS, per_decade=10)
-
-
-def log_spaced_factors(longest: int, *, per_decade: int) -> NDArray[np.int64]:
-    """Return whole numbers from 1 to `longest`, both included, evenly spaced in their logarithm."""
-    steps = int(np.floor(np.log10(longest) * per_decade + 1e-9))
-    spaced = np.rint(10.0 ** (np.arange(steps + 1) / per_decade)).astype(np.int64)
-    return np.unique(np.append(spaced[spaced <= longest], longest))
-
-
-def _checked_factors(samples: int, factors: Sequence[int] | None) -> NDArray[np.int64]:
-    if factors is None:
-        return default_factors(samples)
-    wanted = np.unique(np.asarray(factors, dtype=np.int64))
-    if wanted.size == 0 or wanted[0] < 1:
-        raise ValueError("averaging factors are positive whole numbers")
-    if 2 * wanted[-1] > samples:
-        raise InsufficientDataError(
-            f"averaging {wanted[-1]} samples needs at least {2 * wanted[-1]}; the record has {samples}"
-        )
-    return wanted
-
-
-def _overlapping_variance(theta: NDArray[np.float64], m: int) -> float:
-    """1/(2m²(n − 2m + 1)) · Σ(θ[k+2m] − 2θ[k+m] + θ[k])², block by block."""
-    count = theta.size - 2 * m
-    scratch = np.empty(min(BLOCK, count))
-    total = 0.0
-    for begin in range(0, count, BLOCK):
-        end = min(begin + BLOCK, count)
-        second = scratch[: end - begin]
-        np.subtract(theta[begin + 2 * m : end + 2 * m], theta[begin + m : end + m], out=second)
-        second -= theta[begin + m : end + m]
-        second += theta[begin:end]
-        total += float(np.dot(second, second))
-    return total / (2.0 * m * m * count)
-
-
-def _classic_variance(theta: NDArray[np.float64], m: int) -> float:
-    groups = (theta.size - 1) // m
-    corners = theta[: groups * m + 1 : m]
-    total = 0.0
-    for begin in range(0, groups - 1, BLOCK):
-        second = np.diff(corners[begin : min(begin + BLOCK, groups - 1) + 2], n=2)
-        total += float(np.dot(second, second))
-    return total / (2.0 * m * m * (groups - 1))
-
-
-def _with_intervals(
-    theta: NDArray[np.float64],
-    factors: NDArray[np.int64],
-    variances: NDArray[np.float64],
-    sample_rate_hz: float,
-    *,
-    overlapping: bool,
+def modified_allan_deviation(
+    rate_dps: ArrayLike, *, sample_rate_hz: float, averaging_factors: Sequence[int] | None = None
 ) -> AllanDeviation:
-    types = noise_types(theta, factors)
-    edf = np.array(
-        [
-            allan_edf(theta.size, int(m), kind, overlapping=overlapping)
-            for m, kind in zip(factors, types, strict=True)
-        ]
-    )
-    deviation = np.sqrt(variances)
-    bounds = deviation_bounds(deviation, edf, confidence=ONE_SIGMA)
-    count = theta.size - 2 * factors if overlapping else (theta.size - 1) // factors - 1
-    arrays = (factors, factors / sample_rate_hz, deviation, count, edf, bounds.lower, bounds.upper)
-    for array in arrays:
-        array.setflags(write=False)
-    return AllanDeviation(
-        averaging_factor=arrays[0],
-        tau_s=arrays[1],
-        deviation_dps=arrays[2],
-        n_differences=arrays[3],
-        edf=arrays[4],
-        lower_dps=arrays[5],
-        upper_dps=arrays[6],
+    """Modified Allan deviation, which tells white from flicker angle noise (slopes −3/2 and −1).
+
+    Parameters, return value and errors as of `overlapping_allan_deviation`; an averaging factor m
+    needs 3m − 1 samples.
+
+    Notes
+    -----
+    NIST SP 1065 eq. 14.
+    """
+    return _curve(rate_dps, _MODIFIED, sample_rate_hz, averaging_factors)
+
+
+def hadamard_deviation(
+    rate_dps: ArrayLike, *, sample_rate_hz: float, averaging_factors: Sequence[int] | None = None
+) -> AllanDeviation:
+    """Overlapping Hadamard deviation, to which a rate ramp adds nothing.
+
+    Parameters, return value and errors as of `overlapping_allan_deviation`; an averaging factor m
+    needs 3m samples.
+
+    Notes
+    -----
+    NIST SP 1065 eq. 20.
+    """
+    return _curve(rate_dps, _HADAMARD, sample_rate_hz, averaging_factors)
+
+
+def total_deviation(
+    rate_dps: ArrayLike, *, sample_rate_hz: float, averaging_factors: Sequence[int] | None = None
+) -> AllanDeviation:
+    """Total deviation: the Allan deviation with more certainty at long averaging times.
+
+    Parameters, return value and errors as of `overlapping_allan_deviation`.
+
+    Notes
+    -----
+    NIST SP 1065 eq. 25.
+    """
+    return _curve(rate_dps, _TOTAL, sample_rate_hz, averaging_factors)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Estimator:
+    """How variances are computed, how many differences they are of, and what a factor m needs.
+
+    `differences` takes the number of samples and the factors; `groups`·m − `spared` samples are needed.
+    """
+
+    variances: Callable[[NDArray[np.float64], _Factors], NDArray[np.float64]]
+    differences: Callable[[int, _Factors], _Factors]
+    variance: Variance
+    groups: int
+    spared: int = 0
+    strides: int | None = None
+
+
+_OVERLAPPING = _Estimator(
+    variances=overlapping_variances,
+    differences=lambda n, m: n + 1 - 2 * m,
+    variance=Variance.ALLAN,
+    groups=2,
+)
+_CLASSIC = _Estimator(
+    variances=classic_variances,
+    differences=lambda n, m: n // m - 1,
+    variance=Variance.ALLAN,
+    groups=2,
+    strides=1,
+)
+_MODIFIED = _Estimator(
+    variances=modified_variances,
+    differences=lambda n, m: n + 2 - 3 * m,
+    variance=Variance.MODIFIED,
+    groups=3,
+    spared=1,
+)
+_HADAMARD = _Estimator(
+    variances=hadamard_variances,
+    differences=lambda n, m: n + 1 - 3 * m,
+    variance=Variance.HADAMARD,
+    groups=3,
+)
+_TOTAL = _Estimator(
+    variances=total_variances,
+    differences=lambda n, m: np.full(m.shape, n - 1),
+    variance=Variance.TOTAL,
+    groups=2,
+)
+
+
+def _curve(
+    rate_dps: ArrayLike,
+    estimator: _Estimator,
+    sample_rate_hz: float,
+    averaging_factors: Sequence[int] | None,
+) -> AllanDeviation:
+    rate = np.asarray(rate_dps)
+    checked_sample_rate(sample_rate_hz)
+    if not rate.ndim or not np.prod(rate.shape[:-1], dtype=int):
+        raise ValueError(f"a rate record has shape (..., n) and at least one axis, found {rate.shape}")
+    factors = _factors(rate.shape[-1], estimator, averaging_factors)
+    shape = (*rate.shape[:-1], factors.size)
+    variances, types = np.empty(shape), np.empty(shape, dtype=np.int8)
+    for place in np.ndindex(rate.shape[:-1]):  # one at a time: only one angle is in memory
+        theta = angle(_record(rate, place))
+        variances[place] = estimator.variances(theta, factors)
+        types[place] = noise_types(theta, factors)
+    return bounded_curve(
+        averaging_factor=factors,
+        sample_rate_hz=sample_rate_hz,
+        deviation_dps=np.sqrt(variances),
+        n_differences=estimator.differences(rate.shape[-1], factors),
+        edf=allan_edf(
+            rate.shape[-1] + 1,
+            factors,
+            types,
+            variance=estimator.variance,
+            strides=estimator.strides,
+        ),
         noise_type=types,
     )
+
+
+def _factors(samples: int, estimator: _Estimator, wanted: Sequence[int] | None) -> _Factors:
+    if wanted is None:
+        return default_factors(samples)
+    factors = checked_factors(wanted)
+    needed = estimator.groups * int(factors[-1]) - estimator.spared
+    if needed > samples:
+        raise InsufficientDataError(
+            f"averaging {factors[-1]} samples needs at least {needed}; the record has {samples}"
+        )
+    return factors
+
+
+def _record(rate: NDArray[np.generic], place: tuple[int, ...]) -> NDArray[np.float64]:
+    """Return one gyro axis; `place` is its index among the leading axes."""
+    try:
+        return checked_rate(rate[place])
+    except InsufficientDataError as error:
+        if not place:
+            raise
+        raise InsufficientDataError(f"axis {', '.join(map(str, place))}: {error}") from None

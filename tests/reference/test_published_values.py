@@ -57,7 +57,7 @@ def test_intervals_are_those_of_stable32(m: int, lower: float, deviation: float,
     curve = overlapping_allan_deviation(
         thousand_frequencies(), sample_rate_hz=1.0, averaging_factors=[m]
     )
-    edf = allan_edf(1001, m, NoiseType.ANGLE_RANDOM_WALK, overlapping=True)
+    edf = allan_edf(1001, m, NoiseType.ANGLE_RANDOM_WALK)
     bounds = deviation_bounds(curve.deviation_dps, [edf], confidence=0.683)
     assert curve.deviation_dps[0] == pytest.approx(deviation, rel=5e-5)
     assert bounds.lower[0] == pytest.approx(lower, rel=5e-4)
@@ -65,5 +65,5 @@ def test_intervals_are_those_of_stable32(m: int, lower: float, deviation: float,
 
 
 def test_the_degrees_of_freedom_behind_those_intervals() -> None:
-    edf = [allan_edf(1001, m, NoiseType.ANGLE_RANDOM_WALK, overlapping=True) for m in (1, 64, 128)]
+    edf = [allan_edf(1001, m, NoiseType.ANGLE_RANDOM_WALK) for m in (1, 64, 128)]
     np.testing.assert_allclose(edf, [782.03, 21.24, 9.55], rtol=5e-4)

@@ -134,5 +134,3 @@ def test_two_samples_are_right_and_more_than_there_are_is_refused() -> None:
         overlapping_allan_deviation([1.0, 3.0, 2.0], sample_rate_hz=1.0, averaging_factors=[2])
     with pytest.raises(ValueError, match="positive"):
         overlapping_allan_deviation([1.0, 3.0], sample_rate_hz=1.0, averaging_factors=[0])
-    with pytest.raises(ValueError, match="one dimension"):
-        overlapping_allan_deviation([[1.0, 3.0]], sample_rate_hz=1.0)
