@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
+from gyrotest.records.table import Table
+
 
 class Role(StrEnum):
     """What a curve stands for; the certificate decides how that looks."""
@@ -92,7 +94,10 @@ class Panel:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Figure:
-    """Panels above one another that share their x axis, with a title, a note beside it and a caption."""
+    """Panels above one another that share their x axis, with a title, a note beside it and a caption.
+
+    A `table` is printed beneath them; it may stand alone.
+    """
 
     name: str
     title: str
@@ -101,3 +106,4 @@ class Figure:
     caption: str = ""
     alt: str = ""
     width: Width = Width.FULL
+    table: Table | None = None
