@@ -127,9 +127,13 @@ def hadamard_deviation(
 def total_deviation(
     rate_dps: ArrayLike, *, sample_rate_hz: float, averaging_factors: Sequence[int] | None = None
 ) -> AllanDeviation:
-    """Total deviation: the Allan deviation with more certainty at long averaging times.
+    """Total deviation: the Allan deviation with more degrees of freedom at long averaging times.
 
-    Parameters, return value and errors as of `overlapping_allan_deviation`.
+    Parameters, return value and errors as of `overlapping_allan_deviation`. The angle is continued
+    at both ends by its reflection, which has its price: over a record of length T the expected
+    variance is the Allan variance times 1 − a·τ/T, with a = 0 for angle random walk, 0.481 for bias
+    instability, 3/4 for rate random walk and −4/3 for white angle noise. Nothing is corrected; the
+    bounds are of that expectation.
 
     Notes
     -----
