@@ -9,6 +9,7 @@ from pathlib import PureWindowsPath
 from gyrotest.certificate import appendix, statement
 from gyrotest.certificate.figures import svg
 from gyrotest.certificate.gauge import image_source
+from gyrotest.certificate.procedure_table import TableView, table_view
 from gyrotest.certificate.rows import LOOKS, CaseTable, Look, case_tables
 from gyrotest.records.figure import Figure, Width
 from gyrotest.records.result import Verdict
@@ -29,7 +30,7 @@ class Fact:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Picture:
-    """A figure that is drawn."""
+    """A figure that is drawn (no source: a table alone)."""
 
     number: int
     title: str
@@ -37,6 +38,7 @@ class Picture:
     caption: str
     alt: str
     source: str
+    table: TableView | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -242,7 +244,8 @@ def _picture(figure: Figure, number: int) -> Picture:
         note=figure.note,
         caption=figure.caption,
         alt=figure.alt or figure.title,
-        source=image_source(svg(figure)),
+        source=image_source(svg(figure)) if figure.panels else "",
+        table=None if figure.table is None else table_view(figure.table),
     )
 
 

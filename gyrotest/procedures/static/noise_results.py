@@ -1,55 +1,48 @@
-"""Bias stability, Allan minimum, bias instability coefficient and angle random walk as results."""
+"""Bias stability, Allan minimum and the coefficients of the fitted noise model as results."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gyrotest.analysis.allan import (
-    FLAT,
     AllanDeviation,
     allan_deviation,
     default_factors,
     overlapping_allan_deviation,
 )
 from gyrotest.analysis.dead_time import dead_time_correction
+from gyrotest.analysis.minimum import FEWEST_FREEDOM, AllanMinimum, allan_minimum
 from gyrotest.analysis.noise import NoiseModel, fitted_factors, identify_noise
 from gyrotest.analysis.smoothing import smoothed_deviation
 from gyrotest.procedures.static.parameters import StaticParameters, stability_name
 from gyrotest.procedures.static.record import StaticRecord
 from gyrotest.procedures.static.spread import Spread, spread_result
+from gyrotest.procedures.static.terms import (
+    ANGLE_WALK,
+    BIAS_INSTABILITY,
+    QUANTIZATION,
+    RAMP,
+    RATE_WALK,
+    Term,
+)
 from gyrotest.procedures.static.wording import engineering, freedom, plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
 from gyrotest.units import Quantity
 
 DPH = 3600.0
-PER_ROOT_HOUR = 60.0
-FEWEST_FREEDOM = 10.0
 _ROOT_3 = math.sqrt(3.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NoiseAnalysis:
-    """A record's Allan deviations and noise model."""
+    """A record's Allan deviations, its noise model, and the curve's lowest point (None: too short for one)."""
 
     overlapping: AllanDeviation
     classic: AllanDeviation
     model: NoiseModel
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Minimum:
-    """The lowest point of an Allan deviation; `reached` where the curve rises on both sides of it."""
-
-    place: int
-    tau_s: float
-    spread_dps: Spread
-
-    @property
-    def reached(self) -> bool:
-        """Whether the floor was reached."""
-        return not self.spread_dps.at_most
+    minimum: AllanMinimum | None
 
 
 def analyse_noise(record: StaticRecord) -> NoiseAnalysis:
@@ -64,7 +57,13 @@ def analyse_noise(record: StaticRecord) -> NoiseAnalysis:
         record.rate_dps, sample_rate_hz=rate_hz, duty=record.sampling.duty, deviation=curve
     )
     classic = allan_deviation(record.rate_dps, sample_rate_hz=rate_hz)
-    return NoiseAnalysis(overlapping=curve.at(shown), classic=classic, model=model)
+    drawn = curve.at(shown)
+    return NoiseAnalysis(
+        overlapping=drawn,
+        classic=classic,
+        model=model,
+        minimum=allan_minimum(drawn, first_tau_s=model.first_tau_s),
+    )
 
 
 def stability_result(
@@ -100,68 +99,67 @@ def stability_result(
     )
 
 
-def find_minimum(noise: NoiseAnalysis) -> Minimum | None:
-    """Find the lowest point where the degrees of freedom are at least 10; None where they never are.
-
-    Averaging times that the noise model leaves out do not count: a low-pass filter makes the curve
-    fall towards them, without the bias being any stabler.
-    """
-    curve = noise.overlapping
-    described = curve.tau_s >= noise.model.first_tau_s * (1.0 - 1e-9)
-    admissible = np.flatnonzero((curve.edf >= FEWEST_FREEDOM) & described)
-    if not admissible.size:
-        return None
-    place = int(admissible[np.argmin(curve.deviation_dps[admissible])])
-    bounds = curve.bounds_dps(0.95)
-    return Minimum(
-        place=place,
-        tau_s=float(curve.tau_s[place]),
-        spread_dps=Spread(
-            value=float(curve.deviation_dps[place]),
-            lower=float(bounds.lower[place]),
-            upper=float(bounds.upper[place]),
-            at_most=place in (int(admissible[0]), int(admissible[-1])),
-        ),
-    )
-
-
-def minimum_results(record: StaticRecord, noise: NoiseAnalysis, context: Context) -> tuple[Result, ...]:
-    """Return the Allan minimum and the coefficient B = minimum/0.6643 (IEEE 952)."""
-    names = (
-        ("allan_minimum", "Allan deviation, minimum", 1.0, ""),
-        ("bias_instability_coefficient", "Bias instability coefficient", 1.0 / FLAT, "minimum/0.6643"),
-    )
-    minimum = find_minimum(noise)
-    if minimum is None:
+def minimum_result(record: StaticRecord, noise: NoiseAnalysis, context: Context) -> Result:
+    """Return the Allan minimum: the lowest point of the curve where it is certain enough."""
+    name, label, unit = "allan_minimum", "Allan deviation, minimum", "deg/h"
+    lowest = noise.minimum
+    if lowest is None:
         reason = f"nowhere {FEWEST_FREEDOM:g} degrees of freedom: the record is too short"
-        return tuple(not_evaluated(name, label, "deg/h", reason) for name, label, _, _ in names)
-    floor = "" if minimum.reached else "floor not reached"
-    return tuple(
-        spread_result(
-            minimum.spread_dps.times(DPH * factor),
-            name=name,
-            label=label,
-            unit="deg/h",
-            condition=_joined(
-                note, f"at τ = {plain(minimum.tau_s, 3)} s", floor, record.condition, duty_note(record)
-            ),
-            context=context,
-        )
-        for name, label, factor, note in names
+        return not_evaluated(name, label, unit, reason)
+    spread = Spread(
+        value=lowest.deviation_dps,
+        lower=lowest.lower_95_dps,
+        upper=lowest.upper_95_dps,
+        at_most=not lowest.reached,
+    )
+    floor = "" if lowest.reached else "floor not reached"
+    at = f"at τ = {plain(lowest.tau_s, 3)} s"
+    return spread_result(
+        spread.times(DPH),
+        name=name,
+        label=label,
+        unit=unit,
+        condition=_joined(at, floor, record.condition, duty_note(record)),
+        context=context,
     )
 
 
-def walk_results(record: StaticRecord, model: NoiseModel, context: Context) -> tuple[Result, ...]:
+def coefficient_results(record: StaticRecord, model: NoiseModel, context: Context) -> tuple[Result, ...]:
+    """Return the model's five coefficients, the angle random walk corrected for dead time and as read."""
+    return (
+        _fitted_result(BIAS_INSTABILITY, record, model, context),
+        *_walk_results(record, model, context),
+        *(_fitted_result(one, record, model, context) for one in (RATE_WALK, RAMP, QUANTIZATION)),
+    )
+
+
+def _fitted_result(term: Term, record: StaticRecord, model: NoiseModel, context: Context) -> Result:
+    """Return a coefficient as fitted, or as an upper limit where the record does not resolve it."""
+    return spread_result(
+        term.spread(model),
+        name=term.name,
+        label=term.label,
+        unit=term.unit,
+        condition=_joined(_fit_note(term, model), record.condition, duty_note(record)),
+        context=context,
+    )
+
+
+def _fit_note(term: Term, model: NoiseModel) -> str:
+    """Say which averaging times were fitted, and that they do not resolve the term where they do not."""
+    fitted = f"fit over τ = {plain(model.first_tau_s, 3)} s … {plain(model.last_tau_s, 3)} s"
+    return fitted if term.of(model).resolved else f"not resolved; {fitted}"
+
+
+def _walk_results(record: StaticRecord, model: NoiseModel, context: Context) -> tuple[Result, ...]:
     """Return the angle random walk, corrected for dead time, and as read."""
     apparent = _apparent(record, model)
-    fitted = f"fit over τ = {plain(model.first_tau_s, 3)} s … {plain(model.last_tau_s, 3)} s"
-    if apparent.at_most:
-        fitted = f"not resolved; {fitted}"
+    fitted = _fit_note(ANGLE_WALK, model)
     as_read = spread_result(
         apparent,
         name="angle_random_walk_apparent",
         label="Angle random walk, as read",
-        unit="deg/sqrt(h)",
+        unit=ANGLE_WALK.unit,
         condition=_joined(fitted, record.condition, duty_note(record)),
         context=context,
         missing=_unknown_noise(record, context),
@@ -170,16 +168,14 @@ def walk_results(record: StaticRecord, model: NoiseModel, context: Context) -> t
 
 
 def _apparent(record: StaticRecord, model: NoiseModel) -> Spread:
-    """Return N in °/√h; the lower end allows for the share that the meter's own noise may have."""
-    term = model.angle_random_walk
-    if not term.resolved:
-        return Spread(value=term.upper_95, lower=0.0, upper=term.upper_95, at_most=True).times(
-            PER_ROOT_HOUR
-        )
-    meter = 0.0 if record.floor_dps is None else record.floor_dps * math.sqrt(record.interval_s)
-    share = term.value - math.sqrt(max(term.value**2 - meter**2, 0.0))
-    lower = term.value - math.hypot(term.value - term.lower_95, share)
-    return Spread(value=term.value, lower=max(lower, 0.0), upper=term.upper_95).times(PER_ROOT_HOUR)
+    """Return N; the lower end allows for the share that the meter's own noise may have."""
+    spread = ANGLE_WALK.spread(model)
+    if spread.at_most or record.floor_dps is None:
+        return spread
+    meter = record.floor_dps * math.sqrt(record.interval_s) * ANGLE_WALK.per_core
+    share = spread.value - math.sqrt(max(spread.value**2 - meter**2, 0.0))
+    lower = spread.value - math.hypot(spread.value - spread.lower, share)
+    return replace(spread, lower=max(lower, 0.0))
 
 
 def _corrected(record: StaticRecord, apparent: Spread, fitted: str, context: Context) -> Result:
@@ -189,7 +185,7 @@ def _corrected(record: StaticRecord, apparent: Spread, fitted: str, context: Con
         spacing_s=sampling.interval_s / sampling.readings,
         bandwidth_hz=None if bandwidth is None else bandwidth.to("Hz"),
     )
-    name, label, unit = "angle_random_walk", "Angle random walk", "deg/sqrt(h)"
+    name, label, unit = ANGLE_WALK.name, ANGLE_WALK.label, ANGLE_WALK.unit
     if correction is None:
         needed = engineering(1.0 / (2.0 * sampling.aperture_s), "Hz", 3)
         found = "not known" if bandwidth is None else f"{bandwidth}"

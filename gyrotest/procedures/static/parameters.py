@@ -5,6 +5,14 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from gyrotest.analysis.noise import SHORTEST_RECORD
+from gyrotest.procedures.static.terms import (
+    ANGLE_WALK,
+    BIAS_INSTABILITY,
+    QUANTIZATION,
+    RAMP,
+    RATE_WALK,
+    Term,
+)
 from gyrotest.records.described import Described
 from gyrotest.records.result import Measurand
 from gyrotest.records.spec import Between, Case, Over
@@ -53,7 +61,7 @@ def run_to_run_name(case: Case) -> str:
 
 def static_measurands(case: Case, parameters: StaticParameters) -> tuple[Measurand, ...]:
     """Return all that a static case measures."""
-    rate, walk = Dimension.RATE, Dimension.ANGLE_RANDOM_WALK
+    rate = Dimension.RATE
     return (
         _measurand("bias", "Bias", rate, "deg/s"),
         *(
@@ -61,9 +69,15 @@ def static_measurands(case: Case, parameters: StaticParameters) -> tuple[Measura
             for one in parameters.smoothing
         ),
         _measurand("allan_minimum", "Allan deviation, minimum", rate, "deg/h"),
-        _measurand("bias_instability_coefficient", "Bias instability coefficient", rate, "deg/h"),
-        _measurand("angle_random_walk", "Angle random walk", walk, "deg/sqrt(h)"),
-        _measurand("angle_random_walk_apparent", "Angle random walk, as read", walk, "deg/sqrt(h)"),
+        _fitted(BIAS_INSTABILITY),
+        _fitted(ANGLE_WALK),
+        _measurand(
+            "angle_random_walk_apparent",
+            "Angle random walk, as read",
+            ANGLE_WALK.dimension,
+            ANGLE_WALK.unit,
+        ),
+        *(_fitted(one) for one in (RATE_WALK, RAMP, QUANTIZATION)),
         *_over_repeats(case),
     )
 
@@ -72,6 +86,10 @@ def _measurand(
     name: str, label: str, dimension: Dimension, unit: str, over: Over | None = None
 ) -> Measurand:
     return Measurand(name=name, label=label, dimension=dimension, unit=unit, over=over)
+
+
+def _fitted(term: Term) -> Measurand:
+    return _measurand(term.name, term.label, term.dimension, term.unit)
 
 
 def _over_repeats(case: Case) -> Iterator[Measurand]:

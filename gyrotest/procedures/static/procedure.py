@@ -7,10 +7,10 @@ from gyrotest.procedures.static.bias import bias_over_repeats, bias_result
 from gyrotest.procedures.static.figures import static_figures
 from gyrotest.procedures.static.noise_results import (
     analyse_noise,
-    minimum_results,
+    coefficient_results,
+    minimum_result,
     not_evaluated,
     stability_result,
-    walk_results,
 )
 from gyrotest.procedures.static.parameters import (
     StaticParameters,
@@ -25,7 +25,7 @@ from gyrotest.records.spec import Case, Output
 
 
 class Static:
-    """Bias, bias stability, Allan deviation and angle random walk of a gyro at rest."""
+    """Bias, bias stability, Allan deviation and noise coefficients of a gyro at rest."""
 
     parameters: type[Any] = StaticParameters
 
@@ -60,8 +60,8 @@ class Static:
                 stability_result(record, noise.model, smoothing, parameters, context)
                 for smoothing in parameters.smoothing
             ),
-            *minimum_results(record, noise, context),
-            *walk_results(record, noise.model, context),
+            minimum_result(record, noise, context),
+            *coefficient_results(record, noise.model, context),
         )
         if record.rounding:
             spreads = tuple(

@@ -18,6 +18,11 @@ class Spread:
     upper: float
     at_most: bool = False
 
+    @classmethod
+    def bound(cls, upper: float) -> "Spread":
+        """Return what is known to be no more than an upper limit."""
+        return cls(value=upper, lower=0.0, upper=upper, at_most=True)
+
     def times(self, factor: float) -> "Spread":
         """Return the spread in another unit."""
         return Spread(
@@ -30,6 +35,8 @@ class Spread:
     def widened(self, relative: float) -> "Spread":
         """Return the spread with a relative standard uncertainty in its interval, added in squares."""
         more = NORMAL_95 * relative * self.value
+        if self.at_most and self.value == self.upper:
+            return Spread.bound(self.upper + more)
         return Spread(
             value=self.value,
             lower=max(self.value - math.hypot(self.value - self.lower, more), 0.0),
@@ -52,7 +59,7 @@ def spread_result(
 
     `missing` names what could not be had of its uncertainty beside what the context lacks.
     """
-    widened = spread.widened(_relative_scale_uncertainty(context))
+    widened = spread.widened(relative_scale_uncertainty(context))
     return Result(
         name=name,
         label=label,
@@ -66,8 +73,11 @@ def spread_result(
     )
 
 
-def _relative_scale_uncertainty(context: Context) -> float:
-    """Combine the half-widths (rectangular) of the scale factor and the meter's gain."""
+def relative_scale_uncertainty(context: Context) -> float:
+    """Return the relative standard uncertainty of every rate: of the scale factor and the meter's gain.
+
+    Their half-widths (rectangular) are combined.
+    """
     half_widths = []
     if context.output.scale_factor_uncertainty is not None:
         half_widths.append(context.output.scale_factor_uncertainty.to(""))

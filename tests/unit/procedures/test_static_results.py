@@ -13,7 +13,7 @@ from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.static import Static, StaticParameters
 from gyrotest.records.result import Result, Verdict
 from gyrotest.records.spec import Between, Limit, Output, OutputKind
-from gyrotest.units import Quantity
+from gyrotest.units import Quantity, parse_quantity
 from tests.unit.analysis.generator import DPH, gyro_noise
 from tests.unit.procedures.bench import (
     NOISE,
@@ -41,7 +41,7 @@ def test_every_measurand_of_one_acquisition_has_a_result_in_its_unit() -> None:
         if measurand.over is None:
             assert found[measurand.name].unit == measurand.unit
             assert found[measurand.name].label == measurand.label
-    assert len(found) == 8
+    assert len(found) == 11
 
 
 def test_the_bias_is_the_mean_less_the_earths_share() -> None:
@@ -214,12 +214,77 @@ def test_a_stability_that_the_record_is_too_short_for_is_not_evaluated() -> None
     assert found["bias_stability_10s"].value is not None
 
 
-def test_the_coefficient_is_the_minimum_over_0_664() -> None:
-    found = reduced(rates())
+def test_the_coefficient_is_the_fits_and_no_share_of_the_minimum() -> None:
+    """Where white noise and a walk meet, the curve's minimum over 0.664 is far above the true 8 °/h."""
+    rate = gyro_noise(
+        36_000,
+        angle_random_walk=30 * DPH,
+        bias_instability=8 * DPH,
+        rate_random_walk=0.3 * DPH,
+        seed=11,
+    )
+    found = reduced(rate, since_power_on_s=0.0)
     minimum, coefficient = found["allan_minimum"], found["bias_instability_coefficient"]
     assert not minimum.at_most
-    assert coefficient.value == pytest.approx((minimum.value or 0.0) / 0.6643, rel=1e-4)
     assert "τ =" in minimum.condition
+    assert not coefficient.at_most
+    assert "fit over τ = 1 s … " in coefficient.condition
+    assert (coefficient.lower_95 or 0.0) < 8.0 < (coefficient.upper_95 or 0.0)
+    assert (minimum.value or 0.0) / 0.6643 > 1.08 * (coefficient.value or 0.0)
+
+
+def test_coefficients_that_the_record_does_not_resolve_are_upper_bounds() -> None:
+    found = reduced(gyro_noise(3600, angle_random_walk=30 * DPH, seed=1))
+    for name, unit in (
+        ("rate_random_walk", "deg/h/sqrt(h)"),
+        ("rate_ramp", "deg/h/h"),
+        ("quantization_noise", "arcsec"),
+        ("bias_instability_coefficient", "deg/h"),
+    ):
+        one = found[name]
+        assert (one.at_most, one.lower_95, one.unit) == (True, 0.0, unit)
+        assert one.value == one.upper_95
+        assert (one.value or 0.0) > 0.0
+        assert one.condition.startswith("not resolved; fit over τ = ")
+
+
+@pytest.mark.parametrize(
+    ("name", "truth", "unit"),
+    [("rate_random_walk", 3.0 * 60.0, "deg/h/sqrt(h)"), ("bias_instability_coefficient", 20.0, "deg/h")],
+)
+def test_a_coefficient_that_shows_is_recovered_in_its_unit(name: str, truth: float, unit: str) -> None:
+    rate = gyro_noise(
+        20_000,
+        angle_random_walk=30 * DPH,
+        bias_instability=20 * DPH if name.startswith("bias") else 0.0,
+        rate_random_walk=0.0 if name.startswith("bias") else 3.0 * DPH,
+        seed=5,
+    )
+    found = reduced(rate)[name]
+    assert not found.at_most
+    assert (found.lower_95 or 0.0) < truth < (found.upper_95 or 0.0)
+    assert found.value == pytest.approx(truth, rel=0.25)
+    assert found.unit == unit
+
+
+@pytest.mark.parametrize(
+    ("name", "high", "low"),
+    [
+        ("quantization_noise", "1 deg", "1e-3 arcsec"),
+        ("rate_random_walk", "1 deg/s/sqrt(s)", "1e-3 °/(h·√h)"),
+        ("rate_ramp", "1 deg/s/s", "1e-3 deg/h/h"),
+    ],
+)
+def test_a_bound_passes_above_and_fails_below_in_any_unit(name: str, high: str, low: str) -> None:
+    context = static_context()
+    result = reduced(gyro_noise(3600, angle_random_walk=30 * DPH, seed=1))[name]
+    (measurand,) = [
+        one for one in Static().measurands(context.case, context.parameters) if one.name == name
+    ]
+    for text, verdict in ((high, Verdict.PASS), (low, Verdict.FAIL)):
+        limit = Limit(max=parse_quantity(text, measurand.dimension))
+        judged = judge(measurand, result, limit, case="static", repeat=1)
+        assert judged.verdict is verdict
 
 
 def test_a_floor_that_is_not_reached_is_an_upper_bound() -> None:

@@ -1,0 +1,43 @@
+"""A procedure's table as texts: its numbers rounded like those of the results."""
+
+from dataclasses import dataclass
+
+from gyrotest.certificate.numbers import printed, significant
+from gyrotest.records.table import Cell, Column, Table
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TableView:
+    """A table whose cells are texts."""
+
+    title: str
+    note: str
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[str, ...], ...]
+    sentences: tuple[str, ...]
+
+
+def table_view(table: Table) -> TableView:
+    """Round the numbers of a table for print."""
+    return TableView(
+        title=table.title,
+        note=table.note,
+        columns=table.columns,
+        rows=tuple(tuple(_text(cell) for cell in row) for row in table.rows),
+        sentences=table.sentences,
+    )
+
+
+def _text(cell: Cell) -> str:
+    if cell.value is None:
+        return cell.text
+    if cell.digits is not None:
+        return _bounded(significant(cell.value, digits=cell.digits), cell)
+    shown = printed(cell.value, lower=cell.lower_95, upper=cell.upper_95)
+    if cell.interval:
+        return f"[{shown.lower}, {shown.upper}]"
+    return _bounded(shown.value, cell)
+
+
+def _bounded(number: str, cell: Cell) -> str:
+    return f"≤ {number}" if cell.at_most else number
