@@ -11,7 +11,7 @@ NORMAL_95 = 1.959963984540054
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bounds:
-    """Lower and upper bounds, in the unit of what they bound."""
+    """Lower and upper bounds, in the unit of what they bound; the arrays are read-only."""
 
     lower: NDArray[np.float64]
     upper: NDArray[np.float64]
@@ -27,7 +27,12 @@ def deviation_bounds(
     deviation, degrees_of_freedom
         Arrays of the same shape (or scalars); the bounds have the deviation's unit.
     confidence
-        Two-sided coverage, 0 … 1; the tails are equal.
+        Two-sided coverage, between 0 and 1; the tails are equal.
+
+    Raises
+    ------
+    ValueError
+        The confidence is not between 0 and 1.
 
     Notes
     -----
@@ -35,13 +40,16 @@ def deviation_bounds(
     """
     from scipy.special import chdtri
 
+    if not 0.0 < confidence < 1.0:
+        raise ValueError(f"a confidence lies between 0 and 1, e.g. 0.95, found {confidence!r}")
     values = np.asarray(deviation, dtype=np.float64)
     nu = np.asarray(degrees_of_freedom, dtype=np.float64)
     tail = (1.0 - confidence) / 2.0
-    return Bounds(
-        lower=values * np.sqrt(nu / chdtri(nu, tail)),
-        upper=values * np.sqrt(nu / chdtri(nu, 1.0 - tail)),
-    )
+    lower = values * np.sqrt(nu / chdtri(nu, tail))
+    upper = values * np.sqrt(nu / chdtri(nu, 1.0 - tail))
+    lower.setflags(write=False)
+    upper.setflags(write=False)
+    return Bounds(lower=lower, upper=upper)
 
 
 def coverage_factor(degrees_of_freedom: float, *, coverage: float = 0.9545) -> float:

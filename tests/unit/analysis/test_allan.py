@@ -246,6 +246,9 @@ def test_bounds_enclose_the_deviation_and_widen_with_confidence() -> None:
     assert np.all(curve.lower_dps < curve.deviation_dps)
     assert np.all(curve.deviation_dps < curve.upper_dps)
     assert np.all(curve.upper_dps < wide.upper)
+    for confidence in (0.0, 1.0, 95.0, float("nan")):
+        with pytest.raises(ValueError, match="between 0 and 1"):
+            curve.bounds_dps(confidence)
 
 
 def test_the_record_is_read_only_and_part_of_a_curve_can_be_taken() -> None:
