@@ -13,8 +13,8 @@ from gyrotest.errors import RecordingError
 from gyrotest.recordings.formats.array_rows import column_of, parts_of, refuse_where
 from gyrotest.recordings.formats.selection import Part, Selection, find_name
 
-# What NumPy raises on a damaged file; it reads the header as Python's literals.
-_DAMAGE = (OSError, ValueError, EOFError, SyntaxError, tokenize.TokenError, MemoryError)
+DAMAGE = (OSError, ValueError, EOFError, SyntaxError, tokenize.TokenError, MemoryError)
+"""What NumPy raises on a damaged file; it reads the header as Python's literals."""
 
 
 def read_npy(path: Path, selection: Selection) -> Iterator[Part]:
@@ -24,7 +24,7 @@ def read_npy(path: Path, selection: Selection) -> Iterator[Part]:
         raise RecordingError(f"{path}: holds one array without a name; leave 'array' out")
     try:
         array = np.load(path, mmap_mode="r", allow_pickle=False)
-    except _DAMAGE as error:
+    except DAMAGE as error:
         raise RecordingError(f"{path}: cannot be read as npy: {error}") from error
     values = column_of(array, selection.column, path)
     time = None if selection.time_column is None else column_of(array, selection.time_column, path)
@@ -37,7 +37,7 @@ def read_npz(path: Path, selection: Selection) -> Iterator[Part]:
     try:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
             values, time = _arrays(file, path, selection)
-    except (*_DAMAGE, zipfile.BadZipFile, zlib.error, NotImplementedError) as error:
+    except (*DAMAGE, zipfile.BadZipFile, zlib.error, NotImplementedError) as error:
         raise RecordingError(f"{path}: cannot be read as npz: {error}") from error
     yield from parts_of(values, time, path)
 

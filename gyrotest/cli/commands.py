@@ -1,4 +1,4 @@
-"""`gyrotest …`: everything beside the test run itself."""
+"""The commands, each with its options; what they need is loaded when they run."""
 
 import argparse
 import json
@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from gyrotest import __version__
+from gyrotest.cli.analyse import add_analyse
 from gyrotest.errors import GyrotestError
 
 Command = Callable[[argparse.Namespace], int]
@@ -36,6 +37,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"gyrotest {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    add_analyse(commands)
     _add_check(commands.add_parser("check", help="check spec and station files"))
     _add_schema(commands.add_parser("schema", help="print the JSON Schema of specs or stations"))
     _add_simulate(commands.add_parser("simulate", help="run a simulated instrument alone"))

@@ -1,0 +1,1 @@
+"""Recordings made elsewhere, analysed without a test run."""

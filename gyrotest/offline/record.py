@@ -1,0 +1,165 @@
+"""A rate record out of a file: read, evenly spaced, sound, and in °/s."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrotest.analysis.noise import SHORTEST_RECORD
+from gyrotest.analysis.resolution import digital_step
+from gyrotest.errors import GyrotestError, InsufficientDataError, RecordingError
+from gyrotest.offline.reading import Column, Watch, read_column
+from gyrotest.offline.request import Request
+from gyrotest.offline.sources import Source, time_like
+from gyrotest.offline.uniform import Uniform, uniform_by_row, uniform_by_time
+from gyrotest.procedures.static.soundness import refuse_lifeless, rounding_complaint
+from gyrotest.recordings.formats.detect import Format, detect
+from gyrotest.recordings.formats.selection import Selection
+from gyrotest.recordings.reader import read_header
+from gyrotest.records.recording import Sampling
+from gyrotest.units import conversion_factor
+
+_INTERVALS_AGREE = 1e-3
+_SAMPLE = "sample"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RateRecord:
+    """Evenly spaced rates, shape (n,).
+
+    Each sample is the mean over `reading_s`, `readings` times in each interval.
+    """
+
+    source: Source
+    rate_dps: NDArray[np.float64]
+    interval_s: float
+    begin_s: float
+    reading_s: float
+    readings: int
+    remarks: tuple[str, ...]
+
+    @property
+    def duty(self) -> float:
+        """Part of each interval over which the rate is averaged, 0 … 1."""
+        return min(self.readings * self.reading_s / self.interval_s, 1.0)
+
+
+def rate_record(source: Source, request: Request, watch: Watch) -> RateRecord:
+    """Read a column and check it; raises `GyrotestError`, its message beginning with the file."""
+    try:
+        return _rate_record(source, request, watch)
+    except (GyrotestError, OSError) as error:
+        place = str(source.path)
+        told = str(error)
+        if not told.startswith(place):
+            told = f"{place}: {source.name}: {told}" if source.name else f"{place}: {told}"
+        raise RecordingError(told) from error
+
+
+def _rate_record(source: Source, request: Request, watch: Watch) -> RateRecord:
+    own = own_sampling(source.path)
+    conversion = request.conversion(own.unit if own else None)
+    interval_s = _stated_interval(request, own, source.path)
+    column = read_column(source, _selection(source, request), watch)
+    if not column.values.size:
+        raise InsufficientDataError("there are no samples")
+    uniform = _uniform(column, request, interval_s)
+    values = column.values[uniform.stretch.start : uniform.stretch.stop]
+    unit = request.unit or (own.unit if own else "")
+    first_row = uniform.stretch.start if column.row is None else int(column.row[uniform.stretch.start])
+    remarks = (*uniform.remarks, *_checked(values, first_row, unit))
+    reading_s, readings = _reading(request, own, uniform.interval_s)
+    values *= conversion.factor
+    values -= conversion.offset_dps
+    values.setflags(write=False)
+    return RateRecord(
+        source=source,
+        rate_dps=values,
+        interval_s=uniform.interval_s,
+        begin_s=uniform.begin_s,
+        reading_s=reading_s,
+        readings=readings,
+        remarks=remarks,
+    )
+
+
+def own_sampling(path: Path) -> Sampling | None:
+    """Return how one of our own recordings was sampled; None of any other file."""
+    return read_header(path).sampling if detect(path) is Format.OWN else None
+
+
+def _selection(source: Source, request: Request) -> Selection:
+    return Selection(
+        column=source.column,
+        array=source.array,
+        time_column=request.time_column,
+        where=request.where,
+        skip_rows=request.skip_rows,
+    )
+
+
+def _stated_interval(request: Request, own: Sampling | None, path: Path) -> float | None:
+    stated_s = request.interval_s
+    if own and stated_s is not None and abs(stated_s / own.interval_s - 1.0) > _INTERVALS_AGREE:
+        raise RecordingError(
+            f"is a recording with a sample every {own.interval_s:g} s; leave --rate out"
+        )
+    if own:
+        return own.interval_s
+    if stated_s is None and request.time_column is None:
+        near = time_like(path, request)
+        hint = f"--time-column {near}" if near else "--time-column NAME"
+        raise RecordingError(f"its sampling rate is not known; give e.g. --rate '100 Hz', or {hint}")
+    return stated_s
+
+
+def _uniform(column: Column, request: Request, interval_s: float | None) -> Uniform:
+    if column.time is not None:
+        return uniform_by_time(
+            column.time * _time_factor_s(request),
+            interval_s=interval_s,
+            window=request.window,
+            gaps=request.gaps,
+        )
+    if interval_s is None:
+        raise RecordingError("its sampling rate is not known; give e.g. --rate '100 Hz'")
+    return uniform_by_row(column, interval_s=interval_s, window=request.window, gaps=request.gaps)
+
+
+def _time_factor_s(request: Request) -> float:
+    if request.time_unit == _SAMPLE and request.interval_s is not None:
+        return request.interval_s
+    return conversion_factor(request.time_unit, "s")
+
+
+def _checked(values: NDArray[np.float64], first_row: int, unit: str) -> tuple[str, ...]:
+    """Refuse what no analysis can use; say what else is to be known."""
+    if not np.isfinite(values.sum()):
+        _refuse_not_finite(values, first_row)
+    if values.size < SHORTEST_RECORD:
+        raise InsufficientDataError(
+            f"{values.size} samples are too few: a noise model needs at least {SHORTEST_RECORD}"
+        )
+    step = digital_step(values)
+    refuse_lifeless(values, Sampling(interval_s=1.0, aperture_s=1.0, unit=unit), first_row + 1)
+    complaint = rounding_complaint(values, step, unit)
+    return (f"The gyro's noise is {complaint}.",) if complaint else ()
+
+
+def _refuse_not_finite(values: NDArray[np.float64], first_row: int) -> None:
+    bad = np.flatnonzero(~np.isfinite(values))
+    if bad.size:
+        raise InsufficientDataError(
+            f"row {first_row + int(bad[0]) + 1} is {values[bad[0]]} or missing ({bad.size} of {values.size} rows"
+            " are not numbers); choose a part without them by --window"
+        )
+
+
+def _reading(request: Request, own: Sampling | None, interval_s: float) -> tuple[float, int]:
+    """Return the aperture of a reading and how many there are in an interval."""
+    if request.reading_s is not None:
+        return request.reading_s, 1
+    if request.duty is not None:
+        return request.duty * interval_s, 1
+    return (own.aperture_s, own.readings) if own else (interval_s, 1)
