@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gyrotest.analysis.angle import angle, checked_rate
+from gyrotest.analysis.angle import checked_angle
 from gyrotest.analysis.curve import (
     AllanDeviation,
     bounded_curve,
@@ -16,12 +16,12 @@ from gyrotest.analysis.curve import (
     log_spaced_factors,
 )
 from gyrotest.analysis.edf import Variance, allan_edf
+from gyrotest.analysis.kernels.chains import overlapping_variances
 from gyrotest.analysis.noise_type import noise_types
 from gyrotest.analysis.variances import (
     classic_variances,
     hadamard_variances,
     modified_variances,
-    overlapping_variances,
     total_variances,
 )
 from gyrotest.errors import InsufficientDataError
@@ -205,7 +205,7 @@ def _curve(
     shape = (*rate.shape[:-1], factors.size)
     variances, types = np.empty(shape), np.empty(shape, dtype=np.int8)
     for place in np.ndindex(rate.shape[:-1]):  # one at a time: only one angle is in memory
-        theta = angle(_record(rate, place))
+        theta = _angle(rate, place)
         variances[place] = estimator.variances(theta, factors)
         types[place] = noise_types(theta, factors)
     return bounded_curve(
@@ -236,10 +236,10 @@ def _factors(samples: int, estimator: _Estimator, wanted: Sequence[int] | None) 
     return factors
 
 
-def _record(rate: NDArray[np.generic], place: tuple[int, ...]) -> NDArray[np.float64]:
-    """Return one gyro axis; `place` is its index among the leading axes."""
+def _angle(rate: NDArray[np.generic], place: tuple[int, ...]) -> NDArray[np.float64]:
+    """Sum up one gyro axis; `place` is its index among the leading axes."""
     try:
-        return checked_rate(rate[place])
+        return checked_angle(rate[place])
     except InsufficientDataError as error:
         if not place:
             raise

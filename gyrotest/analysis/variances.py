@@ -12,13 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.analysis.angle import BLOCK
+from gyrotest.analysis.kernels.chains import overlapping_variances
 
 _Array = NDArray[np.float64]
-
-
-def overlapping_variances(angle: _Array, factors: NDArray[np.int64]) -> _Array:
-    """1/(2m²(n − 2m + 1)) · Σ(θ[k+2m] − 2θ[k+m] + θ[k])² over all k; NIST SP 1065 eq. 11."""
-    return np.array([_mean_square(angle, int(m), order=2) / (2.0 * m * m) for m in factors])
 
 
 def classic_variances(angle: _Array, factors: NDArray[np.int64]) -> _Array:
