@@ -17,6 +17,7 @@ from gyrotest.analysis.curve import (
 )
 from gyrotest.analysis.edf import Variance, allan_edf
 from gyrotest.analysis.kernels.chains import overlapping_variances
+from gyrotest.analysis.kernels.lag import SHORTEST
 from gyrotest.analysis.noise_type import noise_types
 from gyrotest.analysis.variances import (
     classic_variances,
@@ -207,7 +208,7 @@ def _curve(
     for place in np.ndindex(rate.shape[:-1]):  # one at a time: only one angle is in memory
         theta = _angle(rate, place)
         variances[place] = estimator.variances(theta, factors)
-        types[place] = noise_types(theta, factors)
+        types[place] = _types(theta, factors)
     return bounded_curve(
         averaging_factor=factors,
         sample_rate_hz=sample_rate_hz,
@@ -222,6 +223,13 @@ def _curve(
         ),
         noise_type=types,
     )
+
+
+def _types(theta: NDArray[np.float64], factors: _Factors) -> NDArray[np.int8]:
+    """Identify noise types; at the longest time that allows it, where all factors are too long."""
+    longest = (theta.size - 1) // SHORTEST
+    identified = [longest] if 0 < longest < factors[0] else []
+    return noise_types(theta, np.concatenate((identified, factors)).astype(np.int64))[-factors.size :]
 
 
 def _factors(samples: int, estimator: _Estimator, wanted: Sequence[int] | None) -> _Factors:

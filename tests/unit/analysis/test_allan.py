@@ -326,6 +326,12 @@ def test_a_record_without_an_axis_is_refused(shape: tuple[int, ...]) -> None:
         overlapping_allan_deviation(np.ones(shape), sample_rate_hz=1.0)
 
 
+def test_long_averaging_times_alone_have_the_noise_type_of_the_longest_that_shows_one() -> None:
+    rate = gyro_noise(3000, rate_random_walk=1.0)
+    curve = overlapping_allan_deviation(rate, sample_rate_hz=1.0, averaging_factors=[300, 1000])
+    assert curve.noise_type.tolist() == [NoiseType.RATE_RANDOM_WALK] * 2
+
+
 def test_averaging_factors_come_back_ascending_and_once() -> None:
     rate = gyro_noise(100, angle_random_walk=1.0)
     curve = overlapping_allan_deviation(rate, sample_rate_hz=1.0, averaging_factors=[5, 1, 5, 2])

@@ -8,12 +8,12 @@ import pytest
 from gyrotest.analysis.allan import FLAT, overlapping_allan_deviation
 from gyrotest.analysis.angle import angle
 from gyrotest.analysis.edf import Variance, allan_edf
+from gyrotest.analysis.kernels.chains import overlapping_variances
 from gyrotest.analysis.noise_type import NoiseType
 from gyrotest.analysis.variances import (
     classic_variances,
     hadamard_variances,
     modified_variances,
-    overlapping_variances,
     total_variances,
 )
 from tests.unit.analysis.generator import gyro_noise
