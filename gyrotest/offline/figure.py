@@ -13,12 +13,14 @@ from gyrotest.procedures.allan_curves import (
     deviation_curve,
     fitted_curve,
 )
-from gyrotest.procedures.static.terms import TERMS, Term
+from gyrotest.procedures.static.terms import ANGLE_WALK, TERMS, Term
 from gyrotest.procedures.static.time_figures import Unit, rate_unit
 from gyrotest.procedures.static.wording import plain
 from gyrotest.records.figure import Curve, Figure, Mark, Panel, Role, Scale
 from gyrotest.units import Quantity, printed_unit
 
+_LETTERS = {ANGLE_WALK: "ARW"}
+_DRAWN = "overlapping estimator, 68 % confidence"
 _ABOVE, _BELOW = 2.0, 0.5  # of the curves' highest and lowest point: no line of a datasheet goes further
 
 
@@ -47,13 +49,13 @@ def allan_plot(analyses: Sequence[Analysis]) -> Figure:
             ),
         ),
         marks=tuple(_marks(analyses[0], rate)) if single else (),
+        note=f"{titles(analyses)[0]}: {_DRAWN}" if single else _DRAWN,
         legend=not single,
     )
     return Figure(
         name="allan_deviation",
         title="Allan deviation",
         panels=(panel,),
-        note="overlapping estimator, 68 % confidence band",
         alt=f"Allan deviation of {', '.join(titles(analyses))}",
     )
 
@@ -109,7 +111,7 @@ def _sloped(analyses: Sequence[Analysis], term: Term, stated: Quantity, rate: Un
             x=tuple(tau_s[ends].tolist()),
             y=tuple((line[ends] * rate.factor).tolist()),
             role=Role.DATASHEET,
-            label=f"datasheet {term.letter} {_written(stated)}",
+            label=f"datasheet {_LETTERS.get(term, term.letter)} {_written(stated)}",
         )
 
 

@@ -18,7 +18,7 @@ from gyrotest.recordings.formats.detect import Format, detect
 from gyrotest.recordings.formats.selection import Selection
 from gyrotest.recordings.reader import read_header
 from gyrotest.records.recording import Sampling
-from gyrotest.units import conversion_factor
+from gyrotest.units import conversion_factor, printed_unit
 
 _INTERVALS_AGREE = 1e-3
 _SAMPLE = "sample"
@@ -141,6 +141,10 @@ def _checked(values: NDArray[np.float64], first_row: int, unit: str) -> tuple[st
         raise InsufficientDataError(
             f"{values.size} samples are too few: a noise model needs at least {SHORTEST_RECORD}"
         )
+    if values.min() == values.max():
+        raise InsufficientDataError(
+            f"all {values.size} samples are {values[0]:.9g} {printed_unit(unit)}: a constant carries no noise"
+        )
     step = digital_step(values)
     refuse_lifeless(values, Sampling(interval_s=1.0, aperture_s=1.0, unit=unit), first_row + 1)
     complaint = rounding_complaint(values, step, unit)
@@ -150,9 +154,10 @@ def _checked(values: NDArray[np.float64], first_row: int, unit: str) -> tuple[st
 def _refuse_not_finite(values: NDArray[np.float64], first_row: int) -> None:
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
+        kind = "missing or not a number" if np.isnan(values[bad[0]]) else "infinite"
         raise InsufficientDataError(
-            f"row {first_row + int(bad[0]) + 1} is {values[bad[0]]} or missing ({bad.size} of {values.size} rows"
-            " are not numbers); choose a part without them by --window"
+            f"row {first_row + int(bad[0]) + 1} is {kind} ({bad.size} of {values.size} rows are not finite);"
+            " choose a part without them by --window"
         )
 
 

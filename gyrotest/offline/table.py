@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 from gyrotest.certificate.numbers import plain, printed, significant
 from gyrotest.offline.analysis import Analysis
 from gyrotest.offline.readings import Reading, readings
-from gyrotest.offline.titles import title
 from gyrotest.procedures.static.wording import engineering
 from gyrotest.units import printed_unit
 
@@ -15,19 +14,40 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 
-def write_tables(console: "Console", analyses: Sequence[Analysis]) -> None:
-    """Write a heading, a table and the remarks of each analysis."""
+_LABEL = 20  # columns to which names of values are wrapped on a narrow terminal
+_ENDLESS = 500
+
+
+def tables(console: "Console", analyses: Sequence[Analysis]) -> str:
+    """Return a heading, a table and the remarks of each analysis, as the console would show them."""
     from rich.padding import Padding
     from rich.text import Text
 
-    for analysis in analyses:
-        console.print(Text(title(analysis), style="bold"))
-        console.print(Text(f"  {_extent(analysis)}"), soft_wrap=True)
-        console.print(Text(f"  {_mean(analysis)}"), soft_wrap=True)
-        console.print(_table(analysis))
-        for remark in (fit_quality(analysis), *analysis.remarks):
-            console.print(Padding(Text(f"• {remark}"), (0, 0, 0, 2)))
-        console.print()
+    with console.capture() as shown:
+        for analysis in analyses:
+            console.print(Text(_heading(analysis), style="bold"), soft_wrap=True)
+            console.print(Text(f"  {_extent(analysis)}"), soft_wrap=True)
+            console.print(Text(f"  {_mean(analysis)}"), soft_wrap=True)
+            _print(console, _table(analysis))
+            for remark in (fit_quality(analysis), *analysis.remarks):
+                console.print(Padding(Text(f"• {remark}"), (0, 0, 0, 2)))
+            console.print()
+    return "".join(f"{line.rstrip()}\n" for line in shown.get().splitlines())
+
+
+def _print(console: "Console", table: "Table") -> None:
+    """Print a table; where a terminal is too narrow, its lines are too long rather than its numbers cut."""
+    options = console.options.update(max_width=_ENDLESS)
+    width = needed = console.measure(table, options=options).maximum
+    if needed > console.width:
+        longest = max(len(str(cell)) for cell in table.columns[0].cells)
+        width = max(console.width, needed - longest + _LABEL)
+    console.print(table, width=width, crop=False, overflow="ignore")
+
+
+def _heading(analysis: Analysis) -> str:
+    source = analysis.source
+    return f"{source.path}: {source.name}" if source.name else str(source.path)
 
 
 def duration(seconds: float) -> str:
@@ -42,9 +62,9 @@ def fit_quality(analysis: Analysis) -> str:
     """How well the noise model describes the record, in a line."""
     model = analysis.model
     return (
-        f"Fitted over τ = {engineering(model.first_tau_s, 's', 3)} … {engineering(model.last_tau_s, 's', 3)}:"
-        f" χ²/ν = {significant(model.misfit, digits=2)}, worse by chance in"
-        f" {significant(100.0 * model.fit_probability, digits=2)} % of records."
+        f"Fitted over τ = {_seconds(model.first_tau_s)} … {_seconds(model.last_tau_s)} s:"
+        f" χ²/ν = {significant(model.misfit, digits=2)}; by chance alone"
+        f" {significant(100.0 * model.fit_probability, digits=2)} % of records fit no better."
     )
 
 
@@ -70,9 +90,10 @@ def _table(analysis: Analysis) -> "Table":
     rows = readings(analysis)
     compared = any(row.datasheet is not None for row in rows)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1), header_style="")
-    for heading, side in (("", "left"), ("value", "right"), ("95 % interval", "left"), ("", "left")):
-        table.add_column(heading, justify="right" if side == "right" else "left", no_wrap=True)
-    table.add_column("from τ", no_wrap=True)
+    table.add_column("", min_width=_LABEL)
+    table.add_column("value", justify="right", no_wrap=True)
+    for heading in ("95 % interval", "", "carried by τ"):
+        table.add_column(heading, no_wrap=True)
     if compared:
         table.add_column("datasheet", justify="right", no_wrap=True)
         table.add_column("ratio", justify="right", no_wrap=True)
