@@ -13,7 +13,7 @@ from gyrotest.records.figure import Curve, Role, Width
 
 POINTS = 72  # of an inch; matplotlib sizes paper in inches
 FONT_SIZE = 6.6
-WIDTHS = {Width.FULL: 510.0, Width.HALF: 246.0}
+WIDTHS = {Width.FULL: 510.0, Width.HALF: 246.0, Width.WIDE: 333.0, Width.NARROW: 159.0}
 INK, FAINT, FRAME, GRID, MINOR_GRID = "#2b3440", "#5d6773", "#8a949e", "#d5dbe1", "#e9edf1"
 BAND, BAR = "#bccddd", "#86a6c3"
 

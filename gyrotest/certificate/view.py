@@ -2,18 +2,15 @@
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import datetime
 from pathlib import PureWindowsPath
 
 from gyrotest.certificate import appendix, statement
-from gyrotest.certificate.figures import svg
-from gyrotest.certificate.gauge import image_source
-from gyrotest.certificate.procedure_table import TableView, table_view
+from gyrotest.certificate.pictures import PictureGroup, picture_groups
 from gyrotest.certificate.rows import LOOKS, CaseTable, Look, case_tables
-from gyrotest.records.figure import Figure, Width
 from gyrotest.records.result import Verdict
-from gyrotest.records.run import ItemRecord, RunRecord
+from gyrotest.records.run import RunRecord
 from gyrotest.units import printed_unit
 
 _HASH_BEGINNING = 16
@@ -26,27 +23,6 @@ class Fact:
 
     name: str
     value: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Picture:
-    """A figure that is drawn (no source: a table alone)."""
-
-    number: int
-    title: str
-    note: str
-    caption: str
-    alt: str
-    source: str
-    table: TableView | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PictureGroup:
-    """The figures of one acquisition; each row holds one figure, or two halves."""
-
-    heading: str
-    rows: tuple[tuple[Picture, ...], ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -113,7 +89,7 @@ def view(record: RunRecord, sha256: str) -> View:
         tested_on=f"{_ended(record):%Y-%m-%d}",
         conditions=tuple(_conditions(record)),
         deviations=statement.deviations(record),
-        pictures=tuple(_picture_groups(record)),
+        pictures=picture_groups(record),
         equipment=appendix.equipment(record),
         budgets=appendix.budgets(record),
         attempts=appendix.attempts(record),
@@ -212,54 +188,3 @@ def _conditions(record: RunRecord) -> Iterator[str]:
             up, north, east = case.mounting
             yield f"Sensitive axis in {name}: up {up:g}, north {north:g}, east {east:g}."
     yield from statement.remarks(record)
-
-
-def _picture_groups(record: RunRecord) -> Iterator[PictureGroup]:
-    number = 0
-    for item in record.items:
-        if item.last is None or not item.last.figures:
-            continue
-        rows = []
-        for row in _in_rows(item.last.figures):
-            rows.append(tuple(_picture(figure, number + n) for n, figure in enumerate(row, start=1)))
-            number += len(row)
-        yield PictureGroup(heading=_heading(record, item), rows=tuple(rows))
-
-
-def _heading(record: RunRecord, item: ItemRecord) -> str:
-    repeats = [
-        one.plan.repeat for one in record.items if one.plan.case == item.plan.case and one.plan.repeat
-    ]
-    if item.plan.repeat is None:
-        return f"{item.plan.case}, over the repeats"
-    if len(repeats) < 2:
-        return item.plan.case
-    return f"{item.plan.case}, repeat {item.plan.repeat} of {max(repeats)}"
-
-
-def _picture(figure: Figure, number: int) -> Picture:
-    return Picture(
-        number=number,
-        title=figure.title,
-        note=figure.note,
-        caption=figure.caption,
-        alt=figure.alt or figure.title,
-        source=image_source(svg(figure)) if figure.panels else "",
-        table=None if figure.table is None else table_view(figure.table),
-    )
-
-
-def _in_rows(figures: tuple[Figure, ...]) -> Iterator[tuple[Figure, ...]]:
-    """Put halves that follow one another side by side; a half alone takes the whole width."""
-    waiting: list[Figure] = []
-    for figure in figures:
-        half = figure.width is Width.HALF
-        if half and waiting:
-            yield (waiting.pop(), figure)
-        elif half:
-            waiting.append(figure)
-        else:
-            yield from ((replace(one, width=Width.FULL),) for one in waiting)
-            waiting.clear()
-            yield (figure,)
-    yield from ((replace(one, width=Width.FULL),) for one in waiting)

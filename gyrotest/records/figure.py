@@ -27,10 +27,15 @@ class Scale(StrEnum):
 
 
 class Width(StrEnum):
-    """Whether a figure takes the page's width or half of it."""
+    """How much of the page's width a figure takes: all, half, two thirds or one third of it.
+
+    Two that follow one another stand side by side if they make up the whole together.
+    """
 
     FULL = "full"
     HALF = "half"
+    WIDE = "wide"
+    NARROW = "narrow"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

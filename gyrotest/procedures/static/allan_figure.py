@@ -22,7 +22,7 @@ from gyrotest.records.figure import Curve, Figure, Mark, Panel, Role, Scale
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
 
-_DRAWN = {"allan_minimum", *(one.name for one in TERMS)}
+_HEIGHT = 0.9  # leaves room on the page for the record above and the table beneath
 
 
 def allan_figure(
@@ -32,17 +32,24 @@ def allan_figure(
     curve = noise.overlapping
     named = {one.name: one for one in results}
     rate = rate_unit(float(curve.deviation_dps.max()))
-    lines = Lines(noise=noise, rate=rate, folding=_folding(named))
+    highest = {name: one.max for name, one in context.case.limits.items() if one.max is not None}
+    lines = Lines(
+        noise=noise,
+        rate=rate,
+        folding=_folding(named),
+        limits=highest,
+        datasheet=context.datasheet,
+    )
     panel = Panel(
         y_label=f"Allan deviation / ({rate.name})",
         x_label="Averaging time τ / s",
         x_scale=Scale.LOG,
         y_scale=Scale.LOG,
+        height=_HEIGHT,
         bands=(confidence_band(curve, per_dps=rate.factor),),
         curves=(
             *lines.floor(record),
-            *lines.limits(context.case.limits),
-            *lines.datasheet(context.datasheet),
+            *lines.drawn(),
             _classic(noise.classic, rate),
             *(() if record.rounding else _fitted(noise, rate)),
             deviation_curve(curve, per_dps=rate.factor),
@@ -56,7 +63,7 @@ def allan_figure(
         note=", ".join(
             part for part in ("overlapping estimator, 68 % confidence band", duty_note(record)) if part
         ),
-        caption=" ".join(_caption(record, lines, context)),
+        caption=" ".join(_caption(record, lines)),
         alt=f"Allan deviation from {plain(float(curve.tau_s[0]), 4)} s to"
         f" {plain(float(curve.tau_s[-1]), 4)} s,"
         f" lowest {plain(float(curve.deviation_dps.min()) * DPH, 3)} °/h",
@@ -104,18 +111,19 @@ def _marks(noise: NoiseAnalysis, rate: Unit, named: Mapping[str, Result]) -> Ite
         yield Mark(x=lowest.tau_s, y=lowest.deviation_dps * rate.factor, label=label)
 
 
-def _caption(record: StaticRecord, lines: Lines, context: Context) -> Iterator[str]:
-    yield "Heavy line: overlapping estimator; thin line: classic one, of groups side by side."
+def _caption(record: StaticRecord, lines: Lines) -> Iterator[str]:
+    yield "Heavy: overlapping estimator; thin: classic one."
     if not record.rounding:
-        yield "Brown: fitted curve and, thin, those of its terms that are resolved, by their letters below."
-    if set(context.case.limits) & {*_DRAWN, "angle_random_walk_apparent"}:
+        yield "Brown: fit and, thin, those of its terms that are resolved, by letter."
+    roles = {one.role for one in lines.drawn()}
+    if Role.LIMIT in roles:
         yield "Dashed: limits."
-    if set(context.datasheet) & _DRAWN:
+    if Role.DATASHEET in roles:
         yield "Dash-dotted: datasheet."
     if lines.folding != 1.0:
         yield (
-            "Dead time raises white noise in the curve, and the lines of the angle random walk with it,"
-            f" {plain(lines.folding, 3)} times."
+            f"Dead time raises white noise {plain(lines.folding, 3)} times, in the curve and in the lines"
+            " of the angle random walk."
         )
     walk = floor_walk(record)
     if walk is not None and lines.floor_is_far_below(record):

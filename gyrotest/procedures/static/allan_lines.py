@@ -5,44 +5,43 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gyrotest.analysis.allan import FLAT
 from gyrotest.procedures.static.noise_results import NoiseAnalysis
 from gyrotest.procedures.static.record import StaticRecord
-from gyrotest.procedures.static.terms import ANGLE_WALK, TERMS, Term
+from gyrotest.procedures.static.terms import ANGLE_WALK, BIAS_INSTABILITY, TERMS, Term
 from gyrotest.procedures.static.time_figures import Unit
 from gyrotest.procedures.static.wording import plain
 from gyrotest.records.figure import Curve, Role
-from gyrotest.records.spec import Limit
 from gyrotest.units import Quantity, printed_unit
 
 _REACH = 3.0  # how far beyond the averaging times that carry a term its lines go, a factor
 _ABOVE, _BELOW = 2.0, 0.5  # of the curve's highest and lowest point: beyond, nothing is drawn
 _NEAR = 0.35  # of the curve's lowest point: a floor that stays below it would only stretch the axis
 _LETTERS = {ANGLE_WALK: "ARW"}
-_MINIMUM = "allan_minimum"
+_LEVELS = {"allan_minimum": (1.0, "minimum"), BIAS_INSTABILITY.name: (FLAT, BIAS_INSTABILITY.letter)}
 _AS_READ = "angle_random_walk_apparent"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lines:
-    """What lines are drawn against: the analysis, the unit of the deviations, and the folding.
+    """What lines are drawn, and against what: the analysis, and the unit of the deviations.
 
-    `folding` is the factor by which dead time makes white noise read too large.
+    `limits` are the greatest values allowed; `folding` is the factor by which dead time makes white
+    noise read too large.
     """
 
     noise: NoiseAnalysis
     rate: Unit
     folding: float
+    limits: Mapping[str, Quantity]
+    datasheet: Mapping[str, Quantity]
 
-    def limits(self, limits: Mapping[str, Limit]) -> Iterator[Curve]:
-        """Give the greatest values that the case allows."""
-        highest = {name: one.max for name, one in limits.items() if one.max is not None}
-        yield from self._lines(highest, Role.LIMIT, "limit")
-        if _AS_READ in highest and ANGLE_WALK.name not in highest:
-            yield from self._sloped(ANGLE_WALK, highest[_AS_READ], 1.0, Role.LIMIT, "limit")
-
-    def datasheet(self, datasheet: Mapping[str, Quantity]) -> Iterator[Curve]:
-        """Give the datasheet's figures."""
-        yield from self._lines(datasheet, Role.DATASHEET, "datasheet")
+    def drawn(self) -> Iterator[Curve]:
+        """Give the greatest values that the case allows, and the datasheet's figures."""
+        yield from self._lines(self.limits, Role.LIMIT, "limit")
+        if _AS_READ in self.limits and ANGLE_WALK.name not in self.limits:
+            yield from self._sloped(ANGLE_WALK, self.limits[_AS_READ], 1.0, Role.LIMIT, "limit")
+        yield from self._lines(self.datasheet, Role.DATASHEET, "datasheet")
 
     def floor(self, record: StaticRecord) -> Iterator[Curve]:
         """Give the meter's own white noise, where it is known and not far below the curve."""
@@ -59,19 +58,18 @@ class Lines:
         return highest < _NEAR * float(curve.deviation_dps.min())
 
     def _lines(self, given: Mapping[str, Quantity], role: Role, kind: str) -> Iterator[Curve]:
-        if _MINIMUM in given:
-            yield self._level(given[_MINIMUM], role, f"{kind} minimum")
+        for name, (share, word) in _LEVELS.items():
+            if name in given:
+                y = given[name].to("deg/s") * share * self.rate.factor
+                yield self._level(y, role, f"{kind} {word} {written(given[name])}")
         for term in TERMS:
-            if term.name in given:
+            if term.name in given and term.name not in _LEVELS:
                 folding = self.folding if term is ANGLE_WALK else 1.0
                 yield from self._sloped(term, given[term.name], folding, role, kind)
 
-    def _level(self, value: Quantity, role: Role, label: str) -> Curve:
+    def _level(self, y: float, role: Role, label: str) -> Curve:
         tau = self.noise.overlapping.tau_s
-        y = value.to("deg/s") * self.rate.factor
-        return Curve(
-            x=(float(tau[0]), float(tau[-1])), y=(y, y), role=role, label=f"{label} {written(value)}"
-        )
+        return Curve(x=(float(tau[0]), float(tau[-1])), y=(y, y), role=role, label=label)
 
     def _sloped(
         self, term: Term, value: Quantity, folding: float, role: Role, kind: str
@@ -84,12 +82,22 @@ class Lines:
         if carries is not None:
             counts |= (tau >= carries.first_s / _REACH) & (tau <= carries.last_s * _REACH)
         counts &= line <= _ABOVE * curve.deviation_dps.max()
-        counts &= line >= _BELOW * curve.deviation_dps.min()
+        counts &= line >= _BELOW * self._lowest_dps()
         if np.count_nonzero(counts) > 1:
             ends = np.flatnonzero(counts)[[0, -1]]
             label = f"{kind} {_LETTERS.get(term, term.letter)} {written(value)}"
             y = tuple((line[ends] * self.rate.factor).tolist())
             yield Curve(x=tuple(tau[ends].tolist()), y=y, role=role, label=label)
+
+    def _lowest_dps(self) -> float:
+        """Return the lowest point of the curve and of the level lines."""
+        levels = [
+            given[name].to("deg/s") * share
+            for given in (self.limits, self.datasheet)
+            for name, (share, _) in _LEVELS.items()
+            if name in given
+        ]
+        return min([float(self.noise.overlapping.deviation_dps.min()), *levels])
 
 
 def floor_walk(record: StaticRecord) -> float | None:

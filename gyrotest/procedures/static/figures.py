@@ -1,4 +1,4 @@
-"""Figures of a static test: the record over time, its Allan deviation, its residuals."""
+"""Figures of a static test: the record over time, its residuals, its Allan deviation."""
 
 from gyrotest.procedures.static.allan_figure import allan_figure
 from gyrotest.procedures.static.noise_results import NoiseAnalysis
@@ -15,6 +15,6 @@ def static_figures(
     """Return the figures, in the order of the certificate."""
     return (
         record_figure(record),
-        allan_figure(record, noise, results, context),
         histogram_figure(record),
+        allan_figure(record, noise, results, context),
     )

@@ -42,7 +42,8 @@ def _rows(
     noise: NoiseAnalysis, named: Mapping[str, Result], context: Context
 ) -> Iterator[tuple[Cell, ...]]:
     for term in TERMS:
-        carries = _carried(term.of(noise.model).carries)
+        fitted = term.of(noise.model)
+        carries = _carried(fitted.carries) if fitted.resolved else ""
         found = named[term.name]
         yield _row(f"{term.letter} – {_lower(term.label)}", found, carries, context)
         as_read = named["angle_random_walk_apparent"]
@@ -113,8 +114,8 @@ def _probability(probability: float) -> str:
 
 def _sentences(model: NoiseModel) -> Iterator[str]:
     yield (
-        "A term carries the averaging times at which it is at least a third of the fitted Allan variance;"
-        " ≤: not resolved, one-sided 95 % limit. Probability: how often chance alone fits no better."
+        "Carries τ: where the term is at least a third of the fitted variance. ≤: one-sided 95 % limit."
+        " Probability: of a fit worse than this by chance."
     )
     if model.fit_probability < _UNLIKELY:
         yield (

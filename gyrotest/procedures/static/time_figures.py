@@ -12,7 +12,9 @@ from gyrotest.records.figure import Band, Bars, Curve, Figure, Panel, Role, Widt
 
 _MOST_BINS = 900
 _MEAN_S = 60.0
-_HISTOGRAM_BINS = 60
+_HISTOGRAM_BINS = 36
+_MEANS_HEIGHT = 0.7
+_HISTOGRAM_HEIGHT = 1.79  # that of the record's panels and the space between them
 _BLOCK = 65536
 _SMALL_RATE_DPS = 0.5
 
@@ -67,6 +69,7 @@ def record_figure(record: StaticRecord) -> Figure:
     return Figure(
         name="record",
         title="Rate record",
+        width=Width.WIDE,
         panels=panels,
         note=_record_note(record),
         caption=f"Output rate; {drawn} (none hidden); line: their mean."
@@ -125,7 +128,7 @@ def _mean_panels(record: StaticRecord, rate: Unit, time: Unit, mean: float) -> t
     panel = Panel(
         y_label=f"{plain(mean_s, 4)} s mean / ({rate.name})",
         x_label=f"Time / {time.name}",
-        height=0.7,
+        height=_MEANS_HEIGHT,
         curves=(
             Curve(x=x, y=_drawn(means, rate), role=Role.DATA),
             Curve(x=(x[0], x[-1]), y=(mean * rate.factor,) * 2, role=Role.GUIDE),
@@ -161,11 +164,12 @@ def histogram_figure(record: StaticRecord) -> Figure:
     return Figure(
         name="residuals",
         title="Residual histogram",
-        width=Width.HALF,
+        width=Width.NARROW,
         panels=(
             Panel(
                 y_label=f"Density / ({unit.name})⁻¹",
                 x_label=f"Residual / ({unit.name})",
+                height=_HISTOGRAM_HEIGHT,
                 bars=Bars(edges=_drawn(edges, unit), heights=tuple(heights.tolist())),
                 curves=(Curve(x=_drawn(grid, unit), y=tuple(normal.tolist()), role=Role.MODEL),),
                 note=sigma,
