@@ -38,11 +38,13 @@ def tables(console: "Console", analyses: Sequence[Analysis]) -> str:
 def _print(console: "Console", table: "Table") -> None:
     """Print a table; where a terminal is too narrow, its lines are too long rather than its numbers cut."""
     options = console.options.update(max_width=_ENDLESS)
-    width = needed = console.measure(table, options=options).maximum
-    if needed > console.width:
+    needed = console.measure(table, options=options).maximum
+    shown = console.width
+    if needed > shown:
         longest = max(len(str(cell)) for cell in table.columns[0].cells)
-        width = max(console.width, needed - longest + _LABEL)
-    console.print(table, width=width, crop=False, overflow="ignore")
+        console.width = max(shown, needed - longest + _LABEL)
+    console.print(table)
+    console.width = shown
 
 
 def _heading(analysis: Analysis) -> str:
