@@ -13,7 +13,7 @@ from gyrotest.units import same_dimension
 _AMBIGUOUS = {
     "bias_instability": (
         "names two quantities; write 'allan_minimum' (the curve's lowest point, as in most datasheets) "
-        "or 'bias_instability_coefficient' (the flat part divided by 0.664)"
+        "or 'bias_instability_coefficient' (B of the fitted curve, as in IEEE 952)"
     ),
     "bias_stability": (
         "needs its averaging time, one of 'parameters.smoothing'; write e.g. 'bias_stability_10s'"

@@ -1,0 +1,74 @@
+"""Figures in rows side by side, and tables of procedures with numbers rounded like the results'."""
+
+import dataclasses
+
+from gyrotest.certificate.pictures import picture_groups
+from gyrotest.certificate.procedure_table import table_view
+from gyrotest.certificate.record import read_record, record_bytes
+from gyrotest.records.figure import Curve, Figure, Panel, Width
+from gyrotest.records.run import RunRecord
+from gyrotest.records.table import Cell, Column, Table
+from tests.unit.certificate import records
+
+TABLE = Table(
+    title="Noise terms",
+    columns=(Column(heading="Term"), Column(heading="Value", numbers=True), Column(heading="Interval")),
+    rows=(
+        (
+            Cell(text="N"),
+            Cell(value=0.49873, lower_95=0.4621, upper_95=0.5312),
+            Cell(value=0.49873, lower_95=0.4621, upper_95=0.5312, interval=True),
+        ),
+        (Cell(text="K"), Cell(value=31.84, upper_95=31.84, lower_95=0.0, at_most=True), Cell(text="–")),
+        (Cell(text="ratio"), Cell(value=0.9974, digits=3), Cell(value=2.0, digits=3, at_most=True)),
+    ),
+    sentences=("A sentence beneath.",),
+)
+
+
+def figure(width: Width, table: Table | None = None) -> Figure:
+    panel = Panel(y_label="y", curves=(Curve(x=(0.0, 1.0), y=(0.0, 1.0)),))
+    return Figure(name=width.value, title=width.value, panels=(panel,), width=width, table=table)
+
+
+def run_with(*figures: Figure) -> RunRecord:
+    record = records.passing()
+    first = record.items[0]
+    attempt = dataclasses.replace(first.attempts[0], figures=figures)
+    return dataclasses.replace(record, items=(dataclasses.replace(first, attempts=(attempt,)),))
+
+
+def rows(*widths: Width) -> list[list[int]]:
+    """How wide the figures stand in each row, mm."""
+    (group,) = picture_groups(run_with(*(figure(one) for one in widths)))
+    return [[round(picture.width) for picture in row] for row in group.rows]
+
+
+def test_parts_of_the_width_that_make_up_a_whole_stand_side_by_side() -> None:
+    assert rows(Width.WIDE, Width.NARROW, Width.FULL) == [[117, 56], [180]]
+    assert rows(Width.NARROW, Width.WIDE) == [[56, 117]]
+    assert rows(Width.HALF, Width.HALF) == [[87, 87]]
+
+
+def test_a_part_without_its_other_part_takes_the_whole_width() -> None:
+    assert rows(Width.HALF, Width.NARROW, Width.FULL, Width.WIDE) == [[180], [180], [180], [180]]
+
+
+def test_numbers_of_a_table_end_where_their_interval_asks() -> None:
+    shown = table_view(TABLE)
+    assert shown.rows[0] == ("N", "0.499", "[0.462, 0.531]")
+    assert shown.rows[1] == ("K", "≤ 32", "–")
+    assert shown.rows[2] == ("ratio", "0.997", "≤ 2.00")
+
+
+def test_a_table_may_stand_without_a_plot() -> None:
+    alone = Figure(name="terms", title="Terms", panels=(), table=TABLE)
+    ((row,),) = (group.rows for group in picture_groups(run_with(alone)))
+    (picture,) = row
+    assert picture.source == ""
+    assert picture.table is not None
+
+
+def test_a_table_is_kept_in_the_record() -> None:
+    record = run_with(figure(Width.FULL, TABLE))
+    assert read_record(record_bytes(record)) == record
