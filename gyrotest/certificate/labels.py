@@ -64,8 +64,10 @@ def _names(axes: "Axes", panel: Panel) -> Iterator[_Name]:
         text = "" if panel.legend and curve.role is Role.DATA else curve.label
         yield _Name(text, stroke_of(curve).colour, _line(axes, curve.x, curve.y))
     for band in panel.bands:
-        if band.label:
+        if band.label or panel.legend:
             yield _Name(band.label, FAINT, _line(axes, band.x, band.upper))
+        if panel.legend:
+            yield _Name("", FAINT, _line(axes, band.x, band.lower))
 
 
 @dataclass(slots=True, kw_only=True)
@@ -181,13 +183,13 @@ def _write_legend(axes: "Axes", panel: Panel, layout: Layout) -> None:
     named = [(one.label, stroke_of(one)) for one in panel.curves if one.role is Role.DATA and one.label]
     if not named:
         return
-    height = size("")[1]
-    box = layout.block(_SAMPLE + _GAP + max(size(text)[0] for text, _ in named), height * len(named))
-    for row, (text, stroke) in enumerate(named):
-        top = box.y1 - row * height
-        _draw_sample(axes, stroke, box.x0, top - height / 2)
-        left = box.x0 + _SAMPLE + _GAP
-        _write(axes, text, Bbox([[left, top - height], [left + size(text)[0], top]]), INK)
+    height, width = size("")[1], max(size(label)[0] for label, _ in named)
+    box = layout.block(_SAMPLE + _GAP + width, height * len(named))
+    for row, (label, stroke) in enumerate(named):
+        middle = box.y1 - (row + 0.5) * height
+        _draw_sample(axes, stroke, box.x0, middle)
+        place = (box.x0 + _SAMPLE + _GAP, middle)
+        axes.annotate(label, xy=place, xycoords="figure points", va="center", color=INK)
 
 
 def _draw_sample(axes: "Axes", stroke: Stroke, x: float, y: float) -> None:
