@@ -1,79 +1,63 @@
-"""Noise identification: N, B and K of a record from its Allan variance curve, with uncertainties.
+"""Noise identification: Q, N, B, K and R of a record, with uncertainties that hold.
 
-The squared coefficients are fitted to log-spaced overlapping Allan variances by generalised least
-squares with the covariance that the model itself gives between averaging times, none of them
-negative. The fit begins at the shortest averaging time from which the model describes the record,
-so that a sensor's filter or a spectral line does not pass for angle random walk.
+The squared coefficients are fitted, none of them negative, to log-spaced overlapping Allan variances
+by generalised least squares with the covariance that the model itself gives between averaging times,
+and, for what is slower, to the likelihood of the record's slow modes. Spectral lines and a drift are
+recognised and kept out. The fit begins at the shortest averaging time from which the model describes
+the record, so that a sensor's filter does not pass for less noise.
 """
 
-import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gyrotest.analysis.allan import AllanDeviation, log_spaced_factors, overlapping_allan_deviation
-from gyrotest.analysis.interval import NORMAL_95, chi_square_quantile
-from gyrotest.analysis.noise_model import NoiseModel, NoiseTerm, carried_range
-from gyrotest.analysis.noise_terms import Grid, allan_columns, allan_response, spectrum_columns
+from gyrotest.analysis.allan import AllanDeviation, overlapping_allan_deviation
+from gyrotest.analysis.allan_fit import AllanFit, allan_fit
+from gyrotest.analysis.curve import GROUPS, log_spaced_factors
+from gyrotest.analysis.drift import Course, DriftSearch, courses, found_drift, search_drift
+from gyrotest.analysis.goodness import goodness
+from gyrotest.analysis.interval import chi_square_quantile
+from gyrotest.analysis.likelihood import TERMS, Likelihood, Solution
+from gyrotest.analysis.noise_intervals import Profiles
+from gyrotest.analysis.noise_model import (
+    Drift,
+    DriftKind,
+    NoiseModel,
+    NoiseTerm,
+    SpectralLine,
+    carried_range,
+)
+from gyrotest.analysis.noise_terms import Grid, allan_columns
+from gyrotest.analysis.slow_modes import TO_MODES, SlowModes, mode_count, slow_modes
+from gyrotest.analysis.spectral_lines import Excess, lines_in, spectrum
 from gyrotest.errors import InsufficientDataError
 
-__all__ = ["SHORTEST_RECORD", "NoiseModel", "NoiseTerm", "fitted_factors", "identify_noise"]
+__all__ = [
+    "SHORTEST_RECORD",
+    "Drift",
+    "DriftKind",
+    "NoiseModel",
+    "NoiseTerm",
+    "SpectralLine",
+    "fitted_factors",
+    "identify_noise",
+    "spectral_lines",
+]
 
 SHORTEST_RECORD = 36
 """Samples below which no noise model is fitted."""
 
-_FITTED_GROUPS = 4
-
-_ONE_SIDED_95 = 1.6448536269514722
-_ONE_SIDED_68 = 0.4752995
-_ITERATIONS = 3
-_PER_DECADE = 5
-_POINTS_PER_DECADE = 300
-_FEWEST_TIMES = 8
+_FIRST_FACTORS = (1, 2, 3, 4, 6, 10)
+_OCTAVES = (16, 25, 40)  # times 4^j: five a decade, all of them among the default factors
+_STEP = 2
+_FEWEST_MODES = 16
 _MISFIT = 0.995
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Fit:
-    squares: NDArray[np.float64]
-    active: NDArray[np.bool_]
-    free: NDArray[np.float64]
-    covariance: NDArray[np.float64]
-    chi_square: float
-    freedom: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Problem:
-    """Allan variances, the terms' columns, and what the variances' covariance is made of."""
-
-    factors: NDArray[np.int64]
-    variances: NDArray[np.float64]
-    columns: NDArray[np.float64]
-    response: NDArray[np.float64]
-    spectra: NDArray[np.float64]
-    weights: NDArray[np.float64]
-    overlap_s: NDArray[np.float64]
-
-    def since(self, first: int) -> "_Problem":
-        """Leave out the shortest averaging times."""
-        return _Problem(
-            factors=self.factors[first:],
-            variances=self.variances[first:],
-            columns=self.columns[first:],
-            response=self.response[first:],
-            spectra=self.spectra,
-            weights=self.weights,
-            overlap_s=self.overlap_s[first:, first:],
-        )
-
-    def covariance(self, squares: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Compute 1/T_ij ∫ S² H_i H_j df of the model with these squared coefficients."""
-        density = self.spectra @ squares
-        weighted = self.response * (density**2 * self.weights)
-        covariance: NDArray[np.float64] = (weighted @ self.response.T) / self.overlap_s
-        return covariance
+_ROUNDS = 4
+_ROUNDS_ON = 2
+_ALL = (0, 1, 2, 3)
+_QUANTIZATION = 0
+_AKAIKE = 2.0
 
 
 def identify_noise(
@@ -82,8 +66,9 @@ def identify_noise(
     sample_rate_hz: float,
     duty: float = 1.0,
     deviation: AllanDeviation | None = None,
+    lines: tuple[Excess, ...] | None = None,
 ) -> NoiseModel:
-    """Identify angle random walk, bias instability and rate random walk.
+    """Identify quantization noise, angle random walk, bias instability, rate random walk and rate ramp.
 
     Parameters
     ----------
@@ -94,7 +79,10 @@ def identify_noise(
     duty
         Share of each interval over which a sample is averaged, 0 … 1.
     deviation
-        The record's overlapping Allan deviation, where it is at hand already.
+        The record's overlapping Allan deviation, where it is at hand already; one at the default
+        averaging factors will do.
+    lines
+        The record's spectral lines, where they are at hand already (`spectral_lines`).
 
     Returns
     -------
@@ -105,181 +93,188 @@ def identify_noise(
     ------
     InsufficientDataError
         Fewer than 36 samples, a sample that is not finite, or a constant record.
+
+    Notes
+    -----
+    Terms and their spectra: IEEE 952 Annex C. Where the fit begins: `first_tau_s` of the model.
     """
-    samples = int(np.shape(rate_dps)[0])
-    if samples < SHORTEST_RECORD:
+    rate = np.asarray(rate_dps, dtype=np.float64)
+    if rate.ndim != 1:
+        raise ValueError(f"a rate record has one dimension, found {rate.ndim}")
+    if rate.size < SHORTEST_RECORD:
         raise InsufficientDataError(
-            f"the record has {samples} samples; a noise model needs at least {SHORTEST_RECORD}"
+            f"the record has {rate.size} samples; a noise model needs at least {SHORTEST_RECORD}"
         )
-    factors = fitted_factors(samples)
+    factors = fitted_factors(rate.size)
     if deviation is None or not np.isin(factors, deviation.averaging_factor).all():
         deviation = overlapping_allan_deviation(
-            rate_dps, sample_rate_hz=sample_rate_hz, averaging_factors=[int(m) for m in factors]
+            rate, sample_rate_hz=sample_rate_hz, averaging_factors=factors.tolist()
         )
-    chosen = np.isin(deviation.averaging_factor, factors)
+    if lines is None:
+        lines = spectral_lines(rate, sample_rate_hz=sample_rate_hz)
     grid = Grid(interval_s=1.0 / sample_rate_hz, aperture_s=duty / sample_rate_hz)
-    problem = _problem(factors, deviation.deviation_dps[chosen] ** 2, samples, grid)
-    first, fit = _consistent_fit(problem)
-    return _model(fit, problem.since(first), grid)
+    fit = allan_fit(factors, deviation.at(factors).deviation_dps ** 2, rate.size, grid, lines)
+    modes = slow_modes(rate, grid)
+    return _identified(_Record(fit=fit, modes=modes), lines)
+
+
+def spectral_lines(rate_dps: NDArray[np.float64], *, sample_rate_hz: float) -> tuple[Excess, ...]:
+    """Find the spectral lines of a record (n,); none in one too short for a spectrum."""
+    found = spectrum(rate_dps, sample_rate_hz=sample_rate_hz)
+    return () if found is None else lines_in(found)
 
 
 def fitted_factors(samples: int) -> NDArray[np.int64]:
-    """Return the averaging factors of the fit: five a decade, to a quarter of the record.
-
-    The last ones are uncertain, but the fit knows how uncertain, and they say most about a rate
-    random walk.
-    """
-    return log_spaced_factors(samples // _FITTED_GROUPS, per_decade=_PER_DECADE)
-
-
-def _problem(
-    factors: NDArray[np.int64], variances: NDArray[np.float64], samples: int, grid: Grid
-) -> _Problem:
-    p = grid.interval_s
-    lowest, highest = 0.02 / (float(factors[-1]) * p), 0.5 / p
-    edges = np.geomspace(lowest, highest, int(_POINTS_PER_DECADE * np.log10(highest / lowest)) + 2)
-    frequency = np.sqrt(edges[1:] * edges[:-1])
-    tau = factors * p
-    return _Problem(
-        factors=factors,
-        variances=variances,
-        columns=allan_columns(factors, grid),
-        response=allan_response(frequency, factors, grid),
-        spectra=spectrum_columns(frequency, grid),
-        weights=np.diff(edges),
-        overlap_s=samples * p - (tau[:, np.newaxis] + tau[np.newaxis, :]),
-    )
+    """Return the averaging factors of the fit: five a decade, as far as the slow modes do not speak."""
+    longest = max(int(TO_MODES * samples / mode_count(samples)), 1)
+    octaves = 4 ** np.arange(longest.bit_length(), dtype=np.int64)
+    series = np.append(_FIRST_FACTORS, np.multiply.outer(octaves, _OCTAVES).ravel())
+    return series[series <= longest]
 
 
-def _consistent_fit(problem: _Problem) -> tuple[int, _Fit]:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Record:
+    """What is fitted: Allan variances and slow modes."""
+
+    fit: AllanFit
+    modes: SlowModes
+
+    def since(self, first: int) -> "_Record":
+        """Leave out the shortest averaging times; after the last of them, an octave of modes each."""
+        beyond = max(first - self.fit.factors.size, 0)
+        modes = self.modes.slowest(self.modes.mode_dps.size >> beyond)
+        return _Record(fit=self.fit.since(first), modes=modes)
+
+    @property
+    def times(self) -> int:
+        """How many averaging times and octaves of modes there are to leave out."""
+        octaves = (self.modes.mode_dps.size // _FEWEST_MODES).bit_length() - 1
+        return self.fit.factors.size + max(octaves, 0)
+
+    @property
+    def first_tau_s(self) -> float:
+        """The averaging time at which the fit begins."""
+        tau_s = self.fit.tau_s
+        return float(tau_s[0]) if tau_s.size else self.modes.first_tau_s
+
+    def less(self, search: DriftSearch) -> "_Record":
+        """Take a recognised drift's share out of the Allan variances."""
+        if search.course is None:
+            return self
+        tau = self.fit.tau_s / self.modes.duration_s
+        share = search.amplitude**2 * search.course.allan_variances(tau)
+        return replace(self, fit=self.fit.less(share))
+
+    def solved(
+        self, *, course: Course | None = None, start: NDArray[np.float64] | None = None
+    ) -> Solution:
+        """Fit the noise, and a drift's amplitude, with the covariance of the model that results."""
+        squares, rounds = (self.fit.guess(), _ROUNDS) if start is None else (start, _ROUNDS_ON)
+        for _ in range(rounds):
+            likelihood = Likelihood(
+                variances=self.fit.variances,
+                columns=self.fit.columns,
+                precision=self.fit.precision(squares),
+                modes=self.modes.mode_dps,
+                mode_variance=self.modes.variance,
+                course=None if course is None else course.modes[: self.modes.mode_dps.size],
+            )
+            state = likelihood.minimise(squares, _ALL)
+            squares = state.squares
+        return Solution(likelihood=likelihood, state=state)
+
+    def searched(self, solution: Solution) -> DriftSearch:
+        """Look for a drift."""
+        return search_drift(solution.likelihood, solution.state, courses(self.modes))
+
+
+def _identified(record: _Record, lines: tuple[Excess, ...]) -> NoiseModel:
+    """Recognise a drift, find where the fit begins, and fit."""
+    found = record.solved()
+    search = record.searched(found)
+    record = record.since(_first_consistent(record.less(search), search.course, found))
+    still = record.solved(start=found.state.squares)
+    search = record.searched(still)
+    final = still
+    if search.course is not None:
+        record = record.less(search)
+        final = record.solved(course=search.course, start=still.state.squares)
+    return _model(record, final, search, lines)
+
+
+def _first_consistent(record: _Record, course: Course | None, found: Solution) -> int:
     """Leave out short averaging times while they contradict the longer ones.
 
     They do where chi-square falls by more than chance when half a decade, or a whole one, goes.
     """
-    step = _PER_DECADE // 2
-    last = max(problem.factors.size - _FEWEST_TIMES, 0)
-    fits = {first: _fit(problem.since(first)) for first in range(0, last + 1, step)}
+    misfits: dict[int, float] = {}
+
+    def misfit(first: int) -> float:
+        if first not in misfits:
+            kept = record.since(first)
+            misfits[first] = goodness(kept.solved(course=course, start=found.state.squares)).chi_square
+        return misfits[first]
+
     first = 0
-    while any(_contradicts(fits, first, first + reach) for reach in (step, 2 * step)):
-        first += step
-    return first, fits[first]
+    while any(
+        first + reach <= record.times
+        and misfit(first) - misfit(first + reach) > chi_square_quantile(_MISFIT, reach)
+        for reach in (_STEP, 2 * _STEP)
+    ):
+        first += _STEP
+    return first
 
 
-def _contradicts(fits: dict[int, _Fit], first: int, later: int) -> bool:
-    if later not in fits:
-        return False
-    fall = fits[first].chi_square - fits[later].chi_square
-    return fall > chi_square_quantile(_MISFIT, later - first)
+def _parsimonious(solution: Solution) -> Solution:
+    """Leave quantization noise out where it makes the record no likelier (Akaike's criterion).
+
+    It is hardly ever there, and an idle term that cannot be negative would pull the angle random
+    walk down.
+    """
+    fewer = solution.without(_QUANTIZATION)
+    return fewer if fewer.state.deviance - solution.state.deviance < _AKAIKE else solution
 
 
-def _fit(problem: _Problem) -> _Fit:
-    relative = problem.variances * np.sqrt(problem.factors)
-    squares = _non_negative(problem, np.diag(relative**2)).squares
-    for _ in range(_ITERATIONS - 1):
-        squares = _non_negative(problem, problem.covariance(squares)).squares
-    return _non_negative(problem, problem.covariance(squares))
-
-
-def _non_negative(problem: _Problem, covariance: NDArray[np.float64]) -> _Fit:
-    """Solve generalised least squares, no coefficient negative: the best of all subsets of the terms."""
-    scale = np.sqrt(np.diag(covariance))
-    root = np.linalg.cholesky(covariance / np.outer(scale, scale))
-    columns = np.linalg.solve(root, problem.columns / scale[:, np.newaxis])
-    target = np.linalg.solve(root, problem.variances / scale)
-    size = np.sqrt(np.sum(columns**2, axis=0))
-    columns = columns / size
-    best: tuple[float, NDArray[np.float64], NDArray[np.bool_]] | None = None
-    for subset in itertools.product((True, False), repeat=columns.shape[1]):
-        active = np.array(subset)
-        if not active.any():
-            continue
-        found = np.zeros(active.size)
-        found[active] = np.linalg.lstsq(columns[:, active], target, rcond=None)[0]
-        residual = float(np.sum((target - columns @ found) ** 2))
-        if (found >= 0.0).all() and (best is None or residual < best[0]):
-            best = residual, found, active
-    if best is None:
-        raise InsufficientDataError(
-            "no combination of noise terms describes the record's Allan variance"
-        )
-    free = np.linalg.lstsq(columns, target, rcond=None)[0]
-    inverse = np.linalg.inv(columns.T @ columns)
-    return _Fit(
-        squares=best[1] / size,
-        active=best[2],
-        free=free / size,
-        covariance=inverse / np.outer(size, size),
-        chi_square=best[0],
-        freedom=max(problem.factors.size - int(best[2].sum()), 1),
+def _model(
+    record: _Record, solution: Solution, search: DriftSearch, lines: tuple[Excess, ...]
+) -> NoiseModel:
+    fits = goodness(solution)
+    values = _parsimonious(solution)
+    covariance = np.zeros((TERMS + 1, TERMS + 1))
+    covariance[:TERMS, :TERMS] = solution.covariance() * fits.widening
+    profiles = Profiles(
+        solution=solution, values=values, widening=fits.widening, ambiguity=search.ambiguity
     )
-
-
-def _model(fit: _Fit, problem: _Problem, grid: Grid) -> NoiseModel:
-    from scipy.special import chdtrc
-
-    misfit = fit.chi_square / fit.freedom
-    significant = fit.chi_square > chi_square_quantile(0.999, fit.freedom)
-    covariance = fit.covariance * (misfit if significant else 1.0)
-    covariance.setflags(write=False)
-    tau_s = np.asarray(problem.factors * grid.interval_s, dtype=np.float64)
-    parts = problem.columns * fit.squares
+    sigmas = np.sqrt(np.diag(covariance))
+    duration_s = record.modes.duration_s
+    bounds = [profiles.coefficient(which, float(sigmas[which])).root() for which in _ALL]
+    bounds.append(profiles.change(courses(record.modes)[0], search.course).over(duration_s))
+    squares = np.array([one.value**2 for one in bounds])
+    factors = np.unique(
+        np.append(record.fit.factors, log_spaced_factors(record.fit.samples // GROUPS, per_decade=10))
+    )
+    factors = factors[factors * record.fit.grid.interval_s >= record.first_tau_s * (1.0 - 1e-9)]
+    parts = allan_columns(factors, record.fit.grid) * squares
     shares = parts / parts.sum(axis=1, keepdims=True)
+    tau_s = np.asarray(factors * record.fit.grid.interval_s, dtype=np.float64)
     terms = [
-        _term(fit, covariance, which, tau_s, np.asarray(shares[:, which], dtype=np.float64))
-        for which in range(5)
+        one.term(carried_range(tau_s, np.asarray(shares[:, place]))) for place, one in enumerate(bounds)
     ]
+    ramp = terms[TERMS]
+    covariance[TERMS, TERMS] = (2.0 * ramp.value * ramp.standard_uncertainty) ** 2
+    covariance.setflags(write=False)
     return NoiseModel(
         quantization_noise=terms[0],
         angle_random_walk=terms[1],
         bias_instability_coefficient=terms[2],
         rate_random_walk=terms[3],
-        rate_ramp=terms[4],
+        rate_ramp=ramp,
         covariance=covariance,
-        lines=(),
-        drift=None,
-        first_tau_s=float(tau_s[0]),
-        last_tau_s=float(tau_s[-1]),
-        misfit=misfit,
-        fit_probability=float(chdtrc(fit.freedom, fit.chi_square)),
-        grid=grid,
+        lines=tuple(one.line for one in lines),
+        drift=None if search.course is None else found_drift(search.course, values, duration_s),
+        first_tau_s=record.first_tau_s,
+        last_tau_s=duration_s / 2.0,
+        misfit=fits.misfit,
+        fit_probability=fits.probability,
+        grid=record.fit.grid,
     )
-
-
-def _term(
-    fit: _Fit,
-    covariance: NDArray[np.float64],
-    which: int,
-    tau_s: NDArray[np.float64],
-    share: NDArray[np.float64],
-) -> NoiseTerm:
-    """Make a term whose interval is symmetric in the squared coefficient; the root is taken last."""
-    square = max(float(fit.squares[which]), 0.0)
-    sigma = float(np.sqrt(_variance(fit, covariance, which)))
-    resolved = square > NORMAL_95 * sigma
-    widths = (1.0, NORMAL_95) if resolved else (_ONE_SIDED_68, _ONE_SIDED_95)
-    upper_68, upper_95 = (float(np.sqrt(square + width * sigma)) for width in widths)
-    lower_68, lower_95 = (
-        float(np.sqrt(square - width * sigma)) if resolved else 0.0 for width in widths
-    )
-    value = float(np.sqrt(square))
-    return NoiseTerm(
-        value=value,
-        standard_uncertainty=sigma / (2.0 * value) if resolved else upper_95 / NORMAL_95,
-        lower_68=lower_68,
-        upper_68=upper_68,
-        lower_95=lower_95,
-        upper_95=upper_95,
-        resolved=resolved,
-        carries=carried_range(tau_s, share),
-    )
-
-
-def _variance(fit: _Fit, covariance: NDArray[np.float64], which: int) -> float:
-    """Variance of a squared coefficient: among the terms in the fit, or, of one left out, among all."""
-    if not fit.active[which]:
-        return float(covariance[which, which])
-    information = np.linalg.inv(covariance)
-    inside = np.flatnonzero(fit.active)
-    reduced = np.linalg.inv(information[np.ix_(inside, inside)])
-    place = int(np.flatnonzero(inside == which)[0])
-    return float(reduced[place, place])

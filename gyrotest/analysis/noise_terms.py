@@ -98,3 +98,24 @@ def allan_response(
     m = averaging_factors.astype(np.float64)[:, np.newaxis]
     response: NDArray[np.float64] = 2.0 * np.sin(m * phase) ** 4 / (m * np.sin(phase)) ** 2
     return response
+
+
+def momentary_flicker_excess(frequency_hz: NDArray[np.float64], grid: Grid) -> NDArray[np.float64]:
+    """Return by how much the spectrum (k,) of flicker noise per B² rises where samples are momentary values.
+
+    Of the sampled process with the spectrum 1/(2·|sin πfp|)·2p, whose filter is (1 − z⁻¹)^(−1/2):
+    N. J. Kasdin, Proc. IEEE 83, 802, 1995. 0 where dead time is known: then the samples are means.
+    """
+    p = grid.interval_s
+    if grid.aperture_s < p * (1.0 - 1e-9):
+        return np.zeros(frequency_hz.size)
+    averaged = spectrum_columns(frequency_hz, grid)[:, 2]
+    excess: NDArray[np.float64] = p / np.sin(np.pi * frequency_hz * p) - averaged
+    return excess
+
+
+def momentary_walk_excess(averaging_factors: NDArray[np.int64], grid: Grid) -> NDArray[np.float64]:
+    """Return by how much the Allan variance (k,) of a walk per K² rises where samples are momentary values."""
+    if grid.aperture_s < grid.interval_s * (1.0 - 1e-9):
+        return np.zeros(averaging_factors.size)
+    return np.asarray(grid.interval_s / (6.0 * averaging_factors), dtype=np.float64)

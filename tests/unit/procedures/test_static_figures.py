@@ -139,7 +139,7 @@ def test_the_table_says_how_well_the_model_fits_and_what_was_kept_out_of_it() ->
     noise = analyse_noise(record)
     named = by_name(Static().reduce(voltages(rates()), context).results)
     plain = terms_table(noise, named, context)
-    assert plain.note.startswith("fit over τ = 1 … 900 s, χ²/ν = ")
+    assert plain.note.startswith("fit over τ = 1 … 1800 s, χ²/ν = ")
     model = dataclasses.replace(
         noise.model,
         lines=(SpectralLine(frequency_hz=0.2, amplitude_dps=0.002, standard_uncertainty_dps=0.0001),),

@@ -1,0 +1,153 @@
+"""Bounds of the coefficients of a fit, by likelihood ratio."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gyrotest.analysis.drift import Course
+from gyrotest.analysis.interval import NORMAL_95
+from gyrotest.analysis.likelihood import TERMS, Solution
+from gyrotest.analysis.noise_model import NoiseTerm, TauRange
+from gyrotest.analysis.profile import (
+    NORMAL_95_DEVIANCE,
+    ONE_SIGMA_DEVIANCE,
+    lower_bound,
+    upper_bound,
+)
+
+_WALK = 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bounds:
+    """A coefficient's value and bounds, squared or not."""
+
+    value: float
+    lower_68: float
+    upper_68: float
+    lower_95: float
+    upper_95: float
+
+    def root(self) -> "Bounds":
+        """Return the bounds of the root."""
+        return Bounds(
+            value=self.value**0.5,
+            lower_68=self.lower_68**0.5,
+            upper_68=self.upper_68**0.5,
+            lower_95=self.lower_95**0.5,
+            upper_95=self.upper_95**0.5,
+        )
+
+    def over(self, duration_s: float) -> "Bounds":
+        """Return the bounds divided by a time."""
+        return Bounds(
+            value=self.value / duration_s,
+            lower_68=self.lower_68 / duration_s,
+            upper_68=self.upper_68 / duration_s,
+            lower_95=self.lower_95 / duration_s,
+            upper_95=self.upper_95 / duration_s,
+        )
+
+    def term(self, carries: TauRange | None) -> NoiseTerm:
+        """Return the bounds as a term; resolved where 95 % exclude 0."""
+        resolved = self.lower_95 > 0.0
+        width = (self.upper_68 - self.lower_68) / 2.0
+        return NoiseTerm(
+            value=self.value,
+            standard_uncertainty=width if resolved else self.upper_95 / NORMAL_95,
+            lower_68=self.lower_68,
+            upper_68=self.upper_68,
+            lower_95=self.lower_95,
+            upper_95=self.upper_95,
+            resolved=resolved,
+            carries=carries,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Profiles:
+    """A fit whose coefficients are given bounds.
+
+    `values` is the solution whose coefficients are stated: `solution`, or one of fewer terms that is
+    about as likely; an interval holds its value in any case. Deviances are divided by `widening`: by
+    how much the scatter exceeds the model's. `ambiguity` is by how much of deviance the record is
+    likelier than under a drift instead of a random walk.
+    """
+
+    solution: Solution
+    values: Solution
+    widening: float
+    ambiguity: float
+
+    def coefficient(self, which: int, sigma: float) -> Bounds:
+        """Return the bounds of a squared coefficient whose standard uncertainty is about `sigma`."""
+        value = float(self.solution.state.squares[which])
+        excess = self._excess(which)
+        lower_68, lower_95 = (
+            0.0
+            if which == _WALK and self.ambiguity <= deviance * self.widening
+            else lower_bound(excess, value=value, sigma=sigma, deviance=deviance)
+            for deviance in (ONE_SIGMA_DEVIANCE, NORMAL_95_DEVIANCE)
+        )
+        upper_68, upper_95 = (
+            upper_bound(excess, value=value, sigma=sigma, deviance=deviance)
+            for deviance in (ONE_SIGMA_DEVIANCE, NORMAL_95_DEVIANCE)
+        )
+        stated = float(self.values.state.squares[which])
+        return Bounds(
+            value=stated,
+            lower_68=min(lower_68, stated),
+            upper_68=max(upper_68, stated),
+            lower_95=min(lower_95, stated),
+            upper_95=max(upper_95, stated),
+        )
+
+    def _excess(self, which: int) -> Callable[[float], float]:
+        others = tuple(one for one in range(TERMS) if one != which)
+        start = self.solution.state.squares.copy()
+
+        def excess(square: float) -> float:
+            start[which] = square
+            found = self.solution.likelihood.minimise(start, others)
+            start[:] = found.squares
+            return (found.deviance - self.solution.state.deviance) / self.widening
+
+        return excess
+
+    def change(self, linear: Course, recognised: Course | None) -> Bounds:
+        """Return the bounds of the change that a ramp makes over the record; its value is 0 unless recognised."""
+        given = self.solution.likelihood
+        modes = given.modes if recognised is linear else self.solution.noise_modes()
+        likelihood = replace(given, course=linear.modes, modes=modes)
+        best = likelihood.minimise(self.solution.state.squares, tuple(range(TERMS)))
+        variance = likelihood.mode_variance @ best.squares
+        sigma = (self.widening / float(np.sum(linear.modes**2 / variance))) ** 0.5
+        start = best.squares.copy()
+
+        def excess(size: float, sign: float) -> float:
+            held = replace(likelihood, held=best.drift + sign * size)
+            found = held.minimise(start, tuple(range(TERMS)))
+            start[:] = found.squares
+            return (found.deviance - best.deviance) / self.widening
+
+        sign = 1.0 if best.drift >= 0.0 else -1.0
+        reach = {
+            deviance: upper_bound(
+                lambda size: excess(size, sign), value=0.0, sigma=sigma, deviance=deviance
+            )
+            for deviance in (ONE_SIGMA_DEVIANCE, NORMAL_95_DEVIANCE)
+        }
+        size = abs(best.drift)
+        resolved = recognised is linear
+        lower_68, lower_95 = (
+            max(size - reach[one], 0.0) if resolved else 0.0
+            for one in (ONE_SIGMA_DEVIANCE, NORMAL_95_DEVIANCE)
+        )
+        return Bounds(
+            value=size if resolved else 0.0,
+            lower_68=lower_68,
+            upper_68=size + reach[ONE_SIGMA_DEVIANCE],
+            lower_95=lower_95,
+            upper_95=size + reach[NORMAL_95_DEVIANCE],
+        )
