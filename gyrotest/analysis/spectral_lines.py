@@ -18,8 +18,8 @@ _FEWEST_SEGMENTS = 16
 _AT_ONCE = 32
 
 _NEIGHBOURS = 20
+_WIDE = 32
 _LEAKAGE = 2
-_FIRST_BIN = 6
 _FALSE_ALARMS = 1e-3
 _LEAST_RATIO = 1.5
 _RELATIVE = 0.05
@@ -39,6 +39,15 @@ class Spectrum:
     density: NDArray[np.float64]
     freedom: float
 
+    def coarser(self, bins: int) -> "Spectrum":
+        """Average neighbouring bins; a tail of fewer is left out."""
+        size = self.density.size // bins * bins
+        return Spectrum(
+            frequency_hz=self.frequency_hz[:size].reshape(-1, bins).mean(axis=1),
+            density=self.density[:size].reshape(-1, bins).mean(axis=1),
+            freedom=self.freedom * bins / _HANN_SPREAD,
+        )
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Excess:
@@ -47,6 +56,13 @@ class Excess:
     frequency_hz: NDArray[np.float64]
     power: NDArray[np.float64]
     standard_uncertainty: float
+
+    def overlaps(self, other: "Excess") -> bool:
+        """Whether two excesses share frequencies."""
+        return bool(
+            self.frequency_hz[0] <= other.frequency_hz[-1]
+            and other.frequency_hz[0] <= self.frequency_hz[-1]
+        )
 
     @property
     def line(self) -> SpectralLine:
@@ -94,15 +110,25 @@ def spectrum(rate_dps: NDArray[np.float64], *, sample_rate_hz: float) -> Spectru
 
 
 def lines_in(found: Spectrum) -> tuple[Excess, ...]:
-    """Find the lines: bins that exceed the floor about them by more than chance and by half at least."""
+    """Find the lines, wide ones (a resonance) first and then narrow ones (mains, a clock) beside them."""
+    wide = _standing_out(found.coarser(_WIDE))
+    narrow = (one for one in _standing_out(found) if not any(one.overlaps(each) for each in wide))
+    return (*wide, *narrow)
+
+
+def _standing_out(found: Spectrum) -> tuple[Excess, ...]:
+    """Find bins that exceed the floor about them by more than chance and by half at least."""
     from scipy.special import chdtri
+
+    if found.density.size < 3 * _NEIGHBOURS:
+        return ()
 
     floor = _floor(found)
     size = found.density.size
     by_chance = float(chdtri(found.freedom, _FALSE_ALARMS / size)) / found.freedom
     standing_out = found.density > floor * max(by_chance, _LEAST_RATIO)
-    # The lowest bins belong to flicker and drift, the last one has half a neighbourhood and half a weight.
-    standing_out[:_FIRST_BIN] = False
+    # The lowest bins belong to flicker and drift, the last one has no neighbour beyond.
+    standing_out[:_NEIGHBOURS] = False
     standing_out[-1] = False
     places = np.flatnonzero(standing_out)
     if not places.size:
@@ -125,7 +151,7 @@ def _floor(found: Spectrum) -> NDArray[np.float64]:
 def _excess(found: Spectrum, floor: NDArray[np.float64], group: NDArray[np.intp]) -> Excess:
     begin = max(int(group[0]) - _LEAKAGE, 1)
     end = min(int(group[-1]) + _LEAKAGE + 1, found.density.size)
-    width_hz = float(found.frequency_hz[1])
+    width_hz = float(found.frequency_hz[1] - found.frequency_hz[0])
     power = np.maximum(found.density[begin:end] - floor[begin:end], 0.0) * width_hz
     noise = found.density[begin:end] * width_hz
     by_chance = np.sum(noise**2) * 2.0 / found.freedom * _HANN_SPREAD
