@@ -3,14 +3,14 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
-from gyrotest.analysis.allan import AllanDeviation, default_factors, overlapping_allan_deviation
+from gyrotest.analysis.allan import AllanDeviation, overlapping_allan_deviation
 from gyrotest.analysis.dead_time import DeadTime, dead_time_correction
+from gyrotest.analysis.interval import NORMAL_95
 from gyrotest.analysis.mean import mean_uncertainty
 from gyrotest.analysis.minimum import AllanMinimum, allan_minimum
-from gyrotest.analysis.noise import fitted_factors, identify_noise
+from gyrotest.analysis.noise import identify_noise
 from gyrotest.analysis.noise_model import DriftKind, NoiseModel
+from gyrotest.certificate.numbers import printed
 from gyrotest.offline.record import RateRecord
 from gyrotest.offline.sources import Source
 from gyrotest.procedures.static.wording import engineering, plain
@@ -53,13 +53,8 @@ def analysed(
 ) -> Analysis:
     """Analyse a record; raises `InsufficientDataError`."""
     rate, rate_hz = record.rate_dps, 1.0 / record.interval_s
-    shown = default_factors(rate.size)
-    wanted = np.union1d(shown, fitted_factors(rate.size))
-    curve = overlapping_allan_deviation(
-        rate, sample_rate_hz=rate_hz, averaging_factors=[int(m) for m in wanted]
-    )
+    curve = overlapping_allan_deviation(rate, sample_rate_hz=rate_hz)
     model = identify_noise(rate, sample_rate_hz=rate_hz, duty=record.duty, deviation=curve)
-    curve = curve.at(shown)
     minimum = allan_minimum(curve, first_tau_s=model.first_tau_s)
     dead_time = dead_time_correction(
         reading_s=min(record.reading_s, record.interval_s / record.readings),
@@ -102,9 +97,8 @@ def _fit_remarks(curve: AllanDeviation, model: NoiseModel) -> Iterator[str]:
         )
     for line in model.lines:
         yield (
-            f"Spectral line at {engineering(line.frequency_hz, 'Hz', 4)}, amplitude"
-            f" {plain(line.amplitude_dps, 3)} ± {plain(2.0 * line.standard_uncertainty_dps, 2)} °/s:"
-            " kept out of the fit."
+            f"Spectral line at {plain(line.frequency_hz, 4)} Hz, amplitude"
+            f" {_with_interval(line.amplitude_dps, line.standard_uncertainty_dps)} °/s: kept out of the fit."
         )
     yield from _drift_remarks(model)
 
@@ -118,9 +112,14 @@ def _drift_remarks(model: NoiseModel) -> Iterator[str]:
             else f"an exponential of {plain(drift.time_constant_s, 3)} s"
         )
         yield (
-            f"The rate drifts by {plain(drift.change_dps, 3)} ±"
-            f" {plain(2.0 * drift.standard_uncertainty_dps, 2)} °/s along {course}: kept out of the fit."
+            f"The rate drifts by {_with_interval(drift.change_dps, drift.standard_uncertainty_dps)} °/s"
+            f" along {course}: kept out of the fit."
         )
+
+
+def _with_interval(value: float, standard_uncertainty: float) -> str:
+    shown = printed(value, uncertainty=NORMAL_95 * standard_uncertainty)
+    return f"{shown.value} ± {shown.uncertainty}"
 
 
 def _minimum_remarks(minimum: AllanMinimum | None) -> Iterator[str]:

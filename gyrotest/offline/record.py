@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from gyrotest.analysis.continuity import stuck_stretch
 from gyrotest.analysis.noise import SHORTEST_RECORD
 from gyrotest.analysis.resolution import digital_step
 from gyrotest.errors import GyrotestError, InsufficientDataError, RecordingError
@@ -13,7 +14,7 @@ from gyrotest.offline.reading import Column, Watch, read_column
 from gyrotest.offline.request import Request
 from gyrotest.offline.sources import Source, time_like
 from gyrotest.offline.uniform import Uniform, uniform_by_row, uniform_by_time
-from gyrotest.procedures.static.soundness import refuse_lifeless, rounding_complaint
+from gyrotest.procedures.static.soundness import rounding_complaint
 from gyrotest.recordings.formats.detect import Format, detect
 from gyrotest.recordings.formats.selection import Selection
 from gyrotest.recordings.reader import read_header
@@ -145,9 +146,15 @@ def _checked(values: NDArray[np.float64], first_row: int, unit: str) -> tuple[st
         raise InsufficientDataError(
             f"all {values.size} samples are {values[0]:.9g} {printed_unit(unit)}: a constant carries no noise"
         )
+    stuck = stuck_stretch(values)
+    if stuck is not None:
+        raise InsufficientDataError(
+            f"rows {first_row + stuck.start + 1} to {first_row + stuck.stop} are all"
+            f" {values[stuck.start]:.9g} {printed_unit(unit)}: the reading is stuck, or its steps are too"
+            " coarse for the noise; choose a part without them by --window"
+        )
     step = digital_step(values)
-    refuse_lifeless(values, Sampling(interval_s=1.0, aperture_s=1.0, unit=unit), first_row + 1)
-    complaint = rounding_complaint(values, step, unit)
+    complaint = "" if step is None else rounding_complaint(values, step, unit)
     return (f"The gyro's noise is {complaint}.",) if complaint else ()
 
 
