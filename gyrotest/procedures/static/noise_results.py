@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gyrotest.analysis.allan import (
     AllanDeviation,
@@ -32,6 +33,7 @@ from gyrotest.records.result import Result
 from gyrotest.units import Quantity
 
 DPH = 3600.0
+_WHOLE = 1e-6
 _ROOT_3 = math.sqrt(3.0)
 
 
@@ -48,7 +50,7 @@ class NoiseAnalysis:
 def analyse_noise(record: StaticRecord) -> NoiseAnalysis:
     """Compute both Allan deviations and fit the noise model."""
     rate_hz = 1.0 / record.interval_s
-    shown = default_factors(record.rate_dps.size)
+    shown = _shown_factors(record)
     wanted = np.union1d(shown, fitted_factors(record.rate_dps.size))
     curve = overlapping_allan_deviation(
         record.rate_dps, sample_rate_hz=rate_hz, averaging_factors=[int(m) for m in wanted]
@@ -64,6 +66,17 @@ def analyse_noise(record: StaticRecord) -> NoiseAnalysis:
         model=model,
         minimum=allan_minimum(drawn, first_tau_s=model.first_tau_s),
     )
+
+
+def _shown_factors(record: StaticRecord) -> NDArray[np.int64]:
+    """Return the averaging factors that are drawn: log-spaced, and those of 1 s, 10 s, … where there are such."""
+    factors = default_factors(record.rate_dps.size)
+    first, last = np.log10(factors[[0, -1]] * record.interval_s)
+    decades = 10.0 ** np.arange(math.ceil(first - _WHOLE), math.floor(last + _WHOLE) + 1)
+    intervals = decades / record.interval_s
+    whole = np.abs(intervals - np.rint(intervals)) <= _WHOLE * intervals
+    named: NDArray[np.int64] = np.rint(intervals[whole]).astype(np.int64)
+    return np.union1d(factors, named)
 
 
 def stability_result(
