@@ -6,6 +6,7 @@ the source, else in the user's cache folder, or where `NUMBA_CACHE_DIR` says. Wh
 written, and where what was kept is damaged, it is compiled anew.
 """
 
+import hashlib
 import logging
 import threading
 from collections.abc import Callable
@@ -43,7 +44,7 @@ class Compiled(Generic[_P, _R]):
     def __init__(self, function: Callable[_P, _R], *, reordered_sums: bool) -> None:
         self.plain = function
         # Sums in another order let a loop use vector registers; NaN and infinity stay what they are.
-        self._fastmath = {"reassoc", "contract", "nsz"} if reordered_sums else False
+        self._fastmath = {"contract", "reassoc", "nsz"} if reordered_sums else {"contract"}
         self._lock = threading.Lock()
         self._entry: Callable[_P, _R] | None = None
         self._inner: Any = None
@@ -97,8 +98,22 @@ class Compiled(Generic[_P, _R]):
             if isinstance(namespace.get(name), Compiled):
                 namespace[name] = namespace[name].inner()
         bound = FunctionType(function.__code__, namespace, function.__name__, function.__defaults__)
-        bound.__qualname__ = function.__qualname__
+        # numba keeps the compiled function by its name and its own file's content, not by what it calls.
+        bound.__qualname__ = f"{function.__qualname__}_{self.fingerprint()}"
         return numba.njit(nogil=True, fastmath=self._fastmath, cache=cached)(bound)
+
+    def fingerprint(self) -> str:
+        """Return what changes with the function, what it calls and the numbers it is written with."""
+        function = cast(FunctionType, self.plain)
+        digest = hashlib.sha256(function.__code__.co_code)
+        digest.update(repr((function.__code__.co_consts, sorted(self._fastmath))).encode())
+        for name in function.__code__.co_names:
+            value = function.__globals__.get(name)
+            if isinstance(value, Compiled):
+                digest.update(value.fingerprint().encode())
+            elif isinstance(value, int | float | tuple):
+                digest.update(repr((name, value)).encode())
+        return digest.hexdigest()[:12]
 
     def inner(self) -> Any:
         """Return it as another compiled function calls it."""
@@ -109,7 +124,7 @@ class Compiled(Generic[_P, _R]):
 
 
 def compiled(function: Callable[_P, _R]) -> Compiled[_P, _R]:
-    """Compile a function whose sums keep their order."""
+    """Compile a function whose sums keep their order; a product and its sum may be rounded once."""
     return Compiled(function, reordered_sums=False)
 
 
