@@ -3,6 +3,8 @@
 import json
 import re
 import shlex
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +13,7 @@ import pytest
 
 from gyrotest.analysis.noise import identify_noise
 from gyrotest.cli import main
+from gyrotest.cli.analyse_progress import Spinner
 from tests.system.short import short_run
 from tests.unit.offline.records import RATE_HZ, rates
 
@@ -292,6 +295,33 @@ class TestRefused:
 def _with_equals(options: list[str]) -> list[str]:
     """Join option and value: a value that begins with a minus is no option then."""
     return [f"{a}={b}" for a, b in zip(options[::2], options[1::2], strict=True)]
+
+
+class TestProgress:
+    def test_rows_are_counted_while_a_file_is_read(self) -> None:
+        shown: list[str] = []
+        spinner = Spinner(shown.append)
+        spinner.reads("rest.csv")(65_536)
+        spinner.analyses("rest.csv")
+        assert shown == [
+            "rest.csv …",
+            "rest.csv: 65\N{THIN SPACE}536 rows read",
+            "rest.csv: Allan deviation and noise model …",
+        ]
+
+    def test_nothing_is_loaded_that_the_tables_do_not_need(self, folder: Path) -> None:
+        arguments = ["analyse", str(folder / "rest.npy"), *RATE]
+        heavy = "matplotlib pyarrow pydantic h5py weasyprint pytest"
+        source = (
+            "import sys; from gyrotest.cli import main;"
+            f" assert main({arguments!r}) == 0;"
+            f" found = set({heavy!r}.split()) & set(sys.modules); assert not found, found"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", source], capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stderr
+        assert done.stderr == ""
 
 
 class TestRealRecordings:
