@@ -17,6 +17,7 @@ from gyrotest.analysis.spectral_lines import Excess
 
 _POINTS_PER_DECADE = 300
 _LOWEST = 0.02
+_PIECE = 256
 _BIAS, _WALK = 2, 3
 _ROOT_3 = 3.0**0.5
 
@@ -72,10 +73,13 @@ class AllanFit:
         """
         density = self.spectra @ squares
         weighted = self.response * (density**2 * self.widths_hz)
+        products = np.zeros(self.overlap_s.shape)
+        # In pieces too small for a linear algebra library to call in other threads, which costs more.
+        for begin in range(0, density.size, _PIECE):
+            piece = slice(begin, begin + _PIECE)
+            products += weighted[:, piece] @ self.response[:, piece].T
         unknown = self.momentary * (squares[[_BIAS, _WALK]] / _ROOT_3)
-        covariance: NDArray[np.float64] = (
-            (weighted @ self.response.T) / self.overlap_s + unknown @ unknown.T + self.lines
-        )
+        covariance: NDArray[np.float64] = products / self.overlap_s + unknown @ unknown.T + self.lines
         return covariance
 
     def precision(self, squares: NDArray[np.float64]) -> NDArray[np.float64]:

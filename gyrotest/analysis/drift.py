@@ -37,6 +37,10 @@ class Course:
         """What a unit amplitude changes from the record's begin to its end."""
         return 1.0 if self.constant is None else float(np.expm1(-1.0 / self.constant))
 
+    def slowest(self, count: int) -> "Course":
+        """Leave out the fastest modes."""
+        return replace(self, modes=self.modes[:count])
+
     def allan_variances(self, tau: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the Allan variances (k,) of a unit amplitude at averaging times over the record's length.
 
@@ -66,17 +70,16 @@ class DriftSearch:
 def courses(modes: SlowModes) -> tuple[Course, ...]:
     """Return the courses that are looked for: a linear one, and exponentials of log-spaced time constants."""
     edges = np.linspace(0.0, 1.0, modes.blocks + 1)
-    linear = Course(
-        kind=DriftKind.LINEAR,
-        constant=None,
-        modes=modes.of_course((edges[1:] + edges[:-1]) / 2.0),
+    constants = np.array(_TIME_CONSTANTS)[:, np.newaxis]
+    exponentials = -np.diff(np.exp(-edges / constants)) * constants * modes.blocks
+    linear, *curved = modes.of_course(np.vstack(((edges[1:] + edges[:-1]) / 2.0, exponentials)))
+    return (
+        Course(kind=DriftKind.LINEAR, constant=None, modes=linear),
+        *(
+            Course(kind=DriftKind.EXPONENTIAL, constant=constant, modes=one)
+            for constant, one in zip(_TIME_CONSTANTS, curved, strict=True)
+        ),
     )
-    return (linear, *(_exponential(modes, edges, one) for one in _TIME_CONSTANTS))
-
-
-def _exponential(modes: SlowModes, edges: NDArray[np.float64], constant: float) -> Course:
-    means = -np.diff(np.exp(-edges / constant)) * constant * modes.blocks
-    return Course(kind=DriftKind.EXPONENTIAL, constant=constant, modes=modes.of_course(means))
 
 
 def search_drift(likelihood: Likelihood, state: State, candidates: tuple[Course, ...]) -> DriftSearch:

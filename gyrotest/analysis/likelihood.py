@@ -15,6 +15,7 @@ _MOST_STEPS = 60
 _CONVERGED = 1e-4
 _SHORTEST_STEP = 1e-6
 _TINY = 1e-300
+_RIDGE = 1e-12 * np.eye(4)
 
 TERMS = 4
 """Noise terms with a spectrum: Q, N, B, K. A ramp has none: it is a drift."""
@@ -127,9 +128,9 @@ class Likelihood:
         moving = chosen[(squares[chosen] > 0.0) | (gradient[chosen] > 0.0)]
         step = np.zeros(TERMS)
         if moving.size:
-            information = self.information(squares)[np.ix_(moving, moving)]
+            information = self.information(squares)[moving][:, moving]
             scale = 1.0 / np.sqrt(np.diag(information))
-            scaled = information * np.outer(scale, scale) + 1e-12 * np.eye(moving.size)
+            scaled = information * (scale[:, np.newaxis] * scale) + _RIDGE[: moving.size, : moving.size]
             step[moving] = scale * np.linalg.solve(scaled, scale * gradient[moving])
         return step
 

@@ -115,7 +115,7 @@ def identify_noise(
     grid = Grid(interval_s=1.0 / sample_rate_hz, aperture_s=duty / sample_rate_hz)
     fit = allan_fit(factors, deviation.at(factors).deviation_dps ** 2, rate.size, grid, lines)
     modes = slow_modes(rate, grid)
-    return _identified(_Record(fit=fit, modes=modes), lines)
+    return _identified(_Record(fit=fit, modes=modes, candidates=courses(modes)), lines)
 
 
 def spectral_lines(rate_dps: NDArray[np.float64], *, sample_rate_hz: float) -> tuple[Excess, ...]:
@@ -134,16 +134,21 @@ def fitted_factors(samples: int) -> NDArray[np.int64]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Record:
-    """What is fitted: Allan variances and slow modes."""
+    """What is fitted, Allan variances and slow modes, and the drifts that are looked for."""
 
     fit: AllanFit
     modes: SlowModes
+    candidates: tuple[Course, ...]
 
     def since(self, first: int) -> "_Record":
         """Leave out the shortest averaging times; after the last of them, an octave of modes each."""
         beyond = max(first - self.fit.factors.size, 0)
-        modes = self.modes.slowest(self.modes.mode_dps.size >> beyond)
-        return _Record(fit=self.fit.since(first), modes=modes)
+        count = self.modes.mode_dps.size >> beyond
+        return _Record(
+            fit=self.fit.since(first),
+            modes=self.modes.slowest(count),
+            candidates=tuple(one.slowest(count) for one in self.candidates),
+        )
 
     @property
     def times(self) -> int:
@@ -177,7 +182,7 @@ class _Record:
                 precision=self.fit.precision(squares),
                 modes=self.modes.mode_dps,
                 mode_variance=self.modes.variance,
-                course=None if course is None else course.modes[: self.modes.mode_dps.size],
+                course=None if course is None else course.slowest(self.modes.mode_dps.size).modes,
             )
             state = likelihood.minimise(squares, _ALL)
             squares = state.squares
@@ -185,7 +190,7 @@ class _Record:
 
     def searched(self, solution: Solution) -> DriftSearch:
         """Look for a drift."""
-        return search_drift(solution.likelihood, solution.state, courses(self.modes))
+        return search_drift(solution.likelihood, solution.state, self.candidates)
 
 
 def _identified(record: _Record, lines: tuple[Excess, ...]) -> NoiseModel:
@@ -248,7 +253,7 @@ def _model(
     sigmas = np.sqrt(np.diag(covariance))
     duration_s = record.modes.duration_s
     bounds = [profiles.coefficient(which, float(sigmas[which])).root() for which in _ALL]
-    bounds.append(profiles.change(courses(record.modes)[0], search.course).over(duration_s))
+    bounds.append(profiles.change(record.candidates[0], search.course).over(duration_s))
     squares = np.array([one.value**2 for one in bounds])
     factors = np.unique(
         np.append(record.fit.factors, log_spaced_factors(record.fit.samples // GROUPS, per_decade=10))

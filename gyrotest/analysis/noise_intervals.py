@@ -118,7 +118,8 @@ class Profiles:
     def change(self, linear: Course, recognised: Course | None) -> Bounds:
         """Return the bounds of the change that a ramp makes over the record; its value is 0 unless recognised."""
         given = self.solution.likelihood
-        modes = given.modes if recognised is linear else self.solution.noise_modes()
+        resolved = recognised is not None and recognised.kind is linear.kind
+        modes = given.modes if resolved else self.solution.noise_modes()
         likelihood = replace(given, course=linear.modes, modes=modes)
         best = likelihood.minimise(self.solution.state.squares, tuple(range(TERMS)))
         variance = likelihood.mode_variance @ best.squares
@@ -139,7 +140,6 @@ class Profiles:
             for deviance in (ONE_SIGMA_DEVIANCE, NORMAL_95_DEVIANCE)
         }
         size = abs(best.drift)
-        resolved = recognised is linear
         lower_68, lower_95 = (
             max(size - reach[one], 0.0) if resolved else 0.0
             for one in (ONE_SIGMA_DEVIANCE, NORMAL_95_DEVIANCE)
