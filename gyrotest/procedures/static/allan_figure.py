@@ -22,7 +22,7 @@ from gyrotest.records.figure import Curve, Figure, Mark, Panel, Role, Scale
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
 
-_HEIGHT = 0.9  # leaves room on the page for the record above and the table beneath
+_HEIGHT, _TALL = 0.9, 1.25  # the lower one leaves room for the record above and the table beneath
 
 
 def allan_figure(
@@ -45,7 +45,9 @@ def allan_figure(
         x_label="Averaging time τ / s",
         x_scale=Scale.LOG,
         y_scale=Scale.LOG,
-        height=_HEIGHT,
+        height=_TALL
+        if context.case.repeats == 1
+        else _HEIGHT,  # a page a repeat, where there are several
         bands=(confidence_band(curve, per_dps=rate.factor),),
         curves=(
             *lines.floor(record),

@@ -1,5 +1,6 @@
 """The table of noise terms: fitted values beside the datasheet's, how good the fit is, lines and drift."""
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
@@ -25,6 +26,7 @@ _COLUMNS = (
 )
 _UNLIKELY = 1e-3
 _SMALL_DPS = 0.1
+_MINUS = "\N{MINUS SIGN}"
 
 
 def terms_table(noise: NoiseAnalysis, named: Mapping[str, Result], context: Context) -> Table:
@@ -123,29 +125,31 @@ def _sentences(model: NoiseModel) -> Iterator[str]:
             f" √(χ²/ν) = {plain(model.misfit**0.5, 3)}."
         )
     if model.lines:
-        yield f"Spectral lines, kept out of the fit: {'; '.join(_line(one) for one in model.lines)}."
+        lines = "; ".join(_line(one) for one in model.lines)
+        yield f"Spectral lines (± standard uncertainty), kept out of the fit: {lines}."
     if model.drift is not None:
         yield _drift(model.drift)
 
 
 def _line(one: SpectralLine) -> str:
-    amplitude, unit = _rate(one.amplitude_dps, one.amplitude_dps)
-    uncertainty, _ = _rate(one.standard_uncertainty_dps, one.amplitude_dps)
-    return f"{engineering(one.frequency_hz, 'Hz', 4)}, amplitude ({amplitude} ± {uncertainty}) {unit}"
+    amplitude = _with_uncertainty(one.amplitude_dps, one.standard_uncertainty_dps)
+    return f"{engineering(one.frequency_hz, 'Hz', 4)}, amplitude {amplitude}"
 
 
 def _drift(drift: Drift) -> str:
-    change, unit = _rate(drift.change_dps, abs(drift.change_dps))
-    uncertainty, _ = _rate(drift.standard_uncertainty_dps, abs(drift.change_dps))
     course = "linear"
     if drift.kind is DriftKind.EXPONENTIAL and drift.time_constant_s is not None:
         course = f"exponential, time constant {plain(drift.time_constant_s, 2)} s"
-    told = f"({change} ± {uncertainty}) {unit}".replace("-", "\N{MINUS SIGN}")
-    return f"Drift, kept out of the fit: {course}, {told} over the record (± standard uncertainty)."
+    change = _with_uncertainty(drift.change_dps, drift.standard_uncertainty_dps)
+    return f"Drift, kept out of the fit: {course}, {change} (± standard uncertainty) over the record."
 
 
-def _rate(rate_dps: float, size_dps: float) -> tuple[str, str]:
-    """Return a rate in °/h where that is the handier unit for rates of such a size."""
-    if size_dps < _SMALL_DPS:
-        return plain(rate_dps * 3600.0, 3), "°/h"
-    return plain(rate_dps, 3), "°/s"
+def _with_uncertainty(rate_dps: float, standard_dps: float) -> str:
+    """Return a rate with its standard uncertainty, of two digits, in °/h where that is the handier unit."""
+    factor, unit = (3600.0, "°/h") if abs(rate_dps) < _SMALL_DPS else (1.0, "°/s")
+    value, standard = rate_dps * factor, standard_dps * factor
+    if standard <= 0.0:
+        return f"{plain(value, 3)} {unit}".replace("-", _MINUS)
+    rounded = float(f"{standard:.1e}")
+    places = max(1 - math.floor(math.log10(rounded)), 0)
+    return f"({value:.{places}f} ± {rounded:.{places}f}) {unit}".replace("-", _MINUS)

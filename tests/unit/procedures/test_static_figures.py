@@ -154,8 +154,11 @@ def test_the_table_says_how_well_the_model_fits_and_what_was_kept_out_of_it() ->
     )
     told = terms_table(dataclasses.replace(noise, model=model), named, context)
     text = " ".join(told.sentences)
-    assert "200 mHz, amplitude (7.2 ± 0.36) °/h" in text
-    assert "exponential, time constant 240 s, (−36 ± 3.6) °/h over the record" in text
+    assert "200 mHz, amplitude (7.20 ± 0.36) °/h" in text
+    assert (
+        "exponential, time constant 240 s, (−36.0 ± 3.6) °/h (± standard uncertainty) over the record"
+        in text
+    )
     assert "widened by √(χ²/ν) = 2" in text
     assert told.note.endswith("probability < 0.001")
 
