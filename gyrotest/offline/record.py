@@ -67,7 +67,7 @@ def _rate_record(source: Source, request: Request, watch: Watch) -> RateRecord:
         raise InsufficientDataError("there are no samples")
     uniform = _uniform(column, request, interval_s)
     values = column.values[uniform.stretch.start : uniform.stretch.stop]
-    unit = request.unit or (own.unit if own else "")
+    unit = own.unit if own else request.unit or ""
     first_row = uniform.stretch.start if column.row is None else int(column.row[uniform.stretch.start])
     remarks = (*uniform.remarks, *_checked(values, first_row, unit))
     reading_s, readings = _reading(request, own, uniform.interval_s)

@@ -55,7 +55,12 @@ class Request:
 
         Raises `RecordingError` where that is not known.
         """
-        unit = self.unit or own_unit
+        unit = own_unit or self.unit
+        if own_unit and self.unit and not _same(own_unit, self.unit):
+            raise RecordingError(
+                f"is a recording in '{own_unit}', not in '{self.unit}'; leave --unit out, or look at the spec's"
+                " 'output.kind'"
+            )
         if unit is None:
             raise RecordingError(
                 "the unit of its values is not known; give e.g. --unit deg/s, or --unit V and --scale-factor,"
@@ -71,6 +76,10 @@ class Request:
             )
         zero = 0.0 if self.zero_rate is None else self.zero_rate.to(canonical)
         return Conversion(factor=factor / scale_factor, offset_dps=zero / scale_factor)
+
+
+def _same(unit: str, other: str) -> bool:
+    return same_dimension(unit, other) and conversion_factor(unit, other) == 1.0
 
 
 def canonical_unit(unit: str) -> tuple[str, Dimension]:

@@ -48,3 +48,9 @@ def test_numbers_become_rates(
 def test_what_is_not_known_is_asked_for(request_: Request, message: str) -> None:
     with pytest.raises(RecordingError, match=message):
         request_.conversion(None)
+
+
+@pytest.mark.parametrize("unit", ["deg/s", "mV"])
+def test_a_recording_is_not_read_in_another_unit_than_its_own(unit: str) -> None:
+    with pytest.raises(RecordingError, match=f"is a recording in 'V', not in '{unit}'"):
+        Request(unit=unit, scale_factor=parse_quantity("50 mV/(deg/s)")).conversion("V")
