@@ -76,7 +76,7 @@ class Compiled(Generic[_P, _R]):
     def _specialised(self, *, cached: bool) -> Any:
         """Compile for the annotated types alone, so that no other array makes a second copy."""
         dispatcher = self._dispatcher(cached=cached)
-        if not hasattr(dispatcher, "compile"):  # NUMBA_DISABLE_JIT
+        if not hasattr(dispatcher, "compile"):
             return dispatcher
         try:
             dispatcher.compile(_signature(self.plain))
@@ -100,7 +100,12 @@ class Compiled(Generic[_P, _R]):
         bound = FunctionType(function.__code__, namespace, function.__name__, function.__defaults__)
         # numba keeps the compiled function by its name and its own file's content, not by what it calls.
         bound.__qualname__ = f"{function.__qualname__}_{self.fingerprint()}"
-        return numba.njit(nogil=True, fastmath=self._fastmath, cache=cached)(bound)
+        dispatcher = numba.njit(nogil=True, fastmath=self._fastmath)(bound)
+        if cached and hasattr(dispatcher, "compile"):  # else NUMBA_DISABLE_JIT
+            from gyrotest.analysis.code_cache import CheckedCache
+
+            CheckedCache.keep(dispatcher, bound)
+        return dispatcher
 
     def fingerprint(self) -> str:
         """Return what changes with the function, what it calls and the numbers it is written with."""

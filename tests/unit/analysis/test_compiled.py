@@ -85,6 +85,15 @@ def test_a_damaged_cache_is_made_anew(
     assert len(path.read_bytes()) > 100
 
 
+def test_damaged_code_is_not_run(folder: Path) -> None:
+    load(folder).total(VALUES)
+    path = kept(folder, "nbc")[0]
+    whole = path.read_bytes()
+    for place in range(len(whole) // 10, len(whole), len(whole) // 10):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 0x10]) + whole[place + 1 :])
+        assert load(folder).total(VALUES) == 9.0
+
+
 def test_a_full_disk_does_not_stop_it(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from numba.core import caching
 
