@@ -5,7 +5,7 @@ with a course as well: one that makes the record much likelier is recognised and
 noise; and a random walk counts as resolved only where no drift explains the record as well.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +19,8 @@ _RECOGNISED = 9.2
 _CURVED = 4.0
 _CURVED_WITHOUT_WALK = 3.0
 _TIME_CONSTANTS = tuple(float(one) for one in np.geomspace(0.02, 1.5, 14))
+_AROUND = np.array([-1.0, 0.0, 1.0])
+_CLOSER = (0.3, 0.1, 0.03, 0.01, 0.003, 0.001)
 _ALL = (0, 1, 2, 3)
 _NO_WALK = (0, 1, 2)
 _WALK = 3
@@ -31,6 +33,13 @@ class Course:
     kind: DriftKind
     constant: float | None
     modes: NDArray[np.float64]
+
+    @property
+    def time_constant(self) -> float:
+        """The time constant of an exponential, over the record's length; `ValueError` of a linear course."""
+        if self.constant is None:
+            raise ValueError("a linear course has no time constant")
+        return self.constant
 
     @property
     def change(self) -> float:
@@ -69,25 +78,28 @@ class DriftSearch:
 
 def courses(modes: SlowModes) -> tuple[Course, ...]:
     """Return the courses that are looked for: a linear one, and exponentials of log-spaced time constants."""
+    middles = (np.arange(modes.blocks) + 0.5) / modes.blocks
+    linear = Course(kind=DriftKind.LINEAR, constant=None, modes=modes.of_course(middles))
+    return (linear, *_exponentials(modes, np.array(_TIME_CONSTANTS)))
+
+
+def _exponentials(modes: SlowModes, constants: NDArray[np.float64]) -> tuple[Course, ...]:
     edges = np.linspace(0.0, 1.0, modes.blocks + 1)
-    constants = np.array(_TIME_CONSTANTS)[:, np.newaxis]
-    exponentials = -np.diff(np.exp(-edges / constants)) * constants * modes.blocks
-    linear, *curved = modes.of_course(np.vstack(((edges[1:] + edges[:-1]) / 2.0, exponentials)))
-    return (
-        Course(kind=DriftKind.LINEAR, constant=None, modes=linear),
-        *(
-            Course(kind=DriftKind.EXPONENTIAL, constant=constant, modes=one)
-            for constant, one in zip(_TIME_CONSTANTS, curved, strict=True)
-        ),
+    column = constants[:, np.newaxis]
+    means = -np.diff(np.exp(-edges / column)) * column * modes.blocks
+    return tuple(
+        Course(kind=DriftKind.EXPONENTIAL, constant=float(constant), modes=one)
+        for constant, one in zip(constants, modes.of_course(means), strict=True)
     )
 
 
-def search_drift(likelihood: Likelihood, state: State, candidates: tuple[Course, ...]) -> DriftSearch:
-    """Look for a drift beyond the noise of `state`, which was fitted without one.
+def search_drift(solution: Solution, modes: SlowModes, candidates: tuple[Course, ...]) -> DriftSearch:
+    """Look for a drift beyond the noise of a solution that was fitted without one.
 
     A linear one is recognised where it makes the record likelier by a deviance of 9.2 (chance does
     once in 400), an exponential one where it does by 4 more than a linear one.
     """
+    likelihood, state = solution.likelihood, solution.state
     still = likelihood.minimise(_without_walk(state.squares), _NO_WALK)
     linear, *curved = candidates
     likeliest = {_likeliest(likelihood, one, curved) for one in (state, still)}
@@ -99,7 +111,8 @@ def search_drift(likelihood: Likelihood, state: State, candidates: tuple[Course,
     best = min(bent, key=lambda one: one[1].deviance)
     gained, bending = state.deviance - straight.deviance, straight.deviance - best[1].deviance
     if gained + bending > _RECOGNISED + _CURVED and bending > _CURVED:
-        return DriftSearch(course=best[0], amplitude=best[1].drift, ambiguity=np.inf)
+        course, fitted = _refined(likelihood, modes, *best)
+        return DriftSearch(course=course, amplitude=fitted.drift, ambiguity=np.inf)
     if gained > _RECOGNISED:
         return DriftSearch(course=linear, amplitude=straight.drift, ambiguity=np.inf)
     without_walk = min(_deviances_without_walk(likelihood, still, linear, curved))
@@ -115,11 +128,31 @@ def _deviances_without_walk(
 
 
 def _likeliest(likelihood: Likelihood, state: State, candidates: list[Course]) -> int:
-    """Return which course explains most, the noise as it is."""
+    return int(np.argmax(_explained(likelihood, state, candidates)))
+
+
+def _explained(
+    likelihood: Likelihood, state: State, candidates: Sequence[Course]
+) -> NDArray[np.float64]:
+    """Return how much of chi-square each course (k,) explains, the noise as it is."""
     variance = likelihood.mode_variance @ state.squares
     shapes = np.array([one.modes for one in candidates])
-    explained = (shapes @ (likelihood.modes / variance)) ** 2 / ((shapes**2) @ (1.0 / variance))
-    return int(np.argmax(explained))
+    explained: NDArray[np.float64] = (shapes @ (likelihood.modes / variance)) ** 2
+    return explained / ((shapes**2) @ (1.0 / variance))
+
+
+def _refined(
+    likelihood: Likelihood, modes: SlowModes, course: Course, state: State
+) -> tuple[Course, State]:
+    """Find the time constant between those looked for, by parabolas through ever closer ones."""
+    for reach in _CLOSER:
+        around = _exponentials(modes, course.time_constant * np.exp(reach * _AROUND))
+        low, middle, high = _explained(likelihood, state, around)
+        bend = max(2.0 * middle - low - high, abs(high - low) / 2.0)
+        move = 0.5 * reach * (high - low) / bend if bend > 0.0 else 0.0
+        (course,) = _exponentials(modes, np.array([course.time_constant * np.exp(move)]))
+        state = _with(likelihood, course).minimise(state.squares, _ALL)
+    return course, state
 
 
 def _with(likelihood: Likelihood, course: Course) -> Likelihood:

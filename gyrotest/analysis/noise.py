@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gyrotest.analysis.allan import AllanDeviation, overlapping_allan_deviation
 from gyrotest.analysis.allan_fit import AllanFit, allan_fit
-from gyrotest.analysis.curve import GROUPS, log_spaced_factors
+from gyrotest.analysis.curve import GROUPS, checked_sample_rate, log_spaced_factors
 from gyrotest.analysis.drift import Course, DriftSearch, courses, found_drift, search_drift
 from gyrotest.analysis.goodness import goodness
 from gyrotest.analysis.interval import chi_square_quantile
@@ -58,6 +58,11 @@ _ROUNDS_ON = 2
 _ALL = (0, 1, 2, 3)
 _QUANTIZATION = 0
 _AKAIKE = 2.0
+_ROUNDING = 1e-12
+_NO_NOISE = (
+    "no noise model describes the record: all that moves in it is a drift, a tone or a few samples,"
+    " without noise; is this a gyro's output, and are all samples of it?"
+)
 
 
 def identify_noise(
@@ -77,7 +82,7 @@ def identify_noise(
     sample_rate_hz
         Samples a second.
     duty
-        Share of each interval over which a sample is averaged, 0 … 1.
+        Share of each interval over which a sample is averaged, above 0 and at most 1.
     deviation
         The record's overlapping Allan deviation, where it is at hand already; one at the default
         averaging factors will do.
@@ -92,12 +97,18 @@ def identify_noise(
     Raises
     ------
     InsufficientDataError
-        Fewer than 36 samples, a sample that is not finite, or a constant record.
+        Fewer than 36 samples, a sample that is not finite, a constant record, or one without noise
+        (a ramp or a tone alone).
+    ValueError
+        A sample rate is not positive and finite, or a duty not above 0 and at most 1.
 
     Notes
     -----
     Terms and their spectra: IEEE 952 Annex C. Where the fit begins: `first_tau_s` of the model.
     """
+    checked_sample_rate(sample_rate_hz)
+    if not 0.0 < duty <= 1.0:
+        raise ValueError(f"a duty is above 0 and at most 1, found {duty!r}")
     rate = np.asarray(rate_dps, dtype=np.float64)
     if rate.ndim != 1:
         raise ValueError(f"a rate record has one dimension, found {rate.ndim}")
@@ -115,7 +126,12 @@ def identify_noise(
     grid = Grid(interval_s=1.0 / sample_rate_hz, aperture_s=duty / sample_rate_hz)
     fit = allan_fit(factors, deviation.at(factors).deviation_dps ** 2, rate.size, grid, lines)
     modes = slow_modes(rate, grid)
-    return _identified(_Record(fit=fit, modes=modes, candidates=courses(modes)), lines)
+    record = _Record(fit=fit, modes=modes, candidates=courses(modes))
+    try:
+        with np.errstate(divide="raise", over="raise", invalid="raise"):
+            return _identified(record, lines)
+    except (FloatingPointError, np.linalg.LinAlgError) as error:
+        raise InsufficientDataError(_NO_NOISE) from error
 
 
 def spectral_lines(rate_dps: NDArray[np.float64], *, sample_rate_hz: float) -> tuple[Excess, ...]:
@@ -190,7 +206,7 @@ class _Record:
 
     def searched(self, solution: Solution) -> DriftSearch:
         """Look for a drift."""
-        return search_drift(solution.likelihood, solution.state, self.candidates)
+        return search_drift(solution, self.modes, self.candidates)
 
 
 def _identified(record: _Record, lines: tuple[Excess, ...]) -> NoiseModel:
@@ -261,6 +277,8 @@ def _model(
     factors = factors[factors * record.fit.grid.interval_s >= record.first_tau_s * (1.0 - 1e-9)]
     parts = allan_columns(factors, record.fit.grid) * squares
     shares = parts / parts.sum(axis=1, keepdims=True)
+    if parts[0, :TERMS].sum() <= (_ROUNDING * search.amplitude) ** 2:
+        raise InsufficientDataError(_NO_NOISE)
     tau_s = np.asarray(factors * record.fit.grid.interval_s, dtype=np.float64)
     terms = [
         one.term(carried_range(tau_s, np.asarray(shares[:, place]))) for place, one in enumerate(bounds)

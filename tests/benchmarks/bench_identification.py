@@ -81,6 +81,7 @@ class Found:
 
 
 def main(names: tuple[str, ...] = tuple(TRUTHS)) -> None:
+    """Print a Markdown table, a row a term of each truth."""
     print(__doc__)
     print("| truth | term | bias | RMSE | within 95 % | within 68 % | resolved |")
     print("|---|---|---|---|---|---|---|")
