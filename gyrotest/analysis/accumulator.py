@@ -20,7 +20,7 @@ class Mode(StrEnum):
     """Twice the longest factor's samples: the result is that of the whole record."""
 
     BOUNDED = "bounded"
-    """15 kB a stream, whatever its length: at long times not every difference is taken."""
+    """16 kB a stream, whatever its length: at long times not every difference is taken."""
 
 
 class AllanAccumulator:
@@ -36,7 +36,7 @@ class AllanAccumulator:
     mode
         `"exact"`: for all averaging factors that are given, what `overlapping_allan_deviation` gives of
         the whole record. `"bounded"`: three averaging factors an octave up to a ninth of the samples
-        so far. Above 32 samples the differences do not end at every sample, but at 20 to 32
+        so far. Above 50 samples the differences do not end at every sample, but at 32 to 50
         an averaging time; `edf` allows for it. Its noise types are identified once an octave.
     averaging_factors
         For the exact mode only, and needed there: samples in a group, positive whole numbers.

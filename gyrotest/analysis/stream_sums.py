@@ -140,7 +140,7 @@ class ExactSums:
 
 
 class BoundedSums:
-    """A state of 15 kB a stream, whatever its length; see `gyrotest.analysis.kernels.pyramid`."""
+    """A state of 16 kB a stream, whatever its length; see `gyrotest.analysis.kernels.pyramid`."""
 
     def __init__(self, streams: int) -> None:
         self.samples, self.streams = 0, streams
