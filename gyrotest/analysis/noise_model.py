@@ -26,8 +26,9 @@ class NoiseTerm:
 
     Where the record does not resolve the term (`resolved` is False) `lower_95` is 0 and `upper_95` a
     limit; `value` is then no more than the fit's best guess, which may be 0, and
-    `standard_uncertainty` is `upper_95`/1.96. `lower_68` may lie above 0 all the same. `carries` are the averaging times at which the term makes up at least a third of the fitted
-    Allan variance; None where there are none.
+    `standard_uncertainty` is `upper_95`/1.96. `lower_68` may lie above 0 all the same. `carries` are
+    the averaging times at which the term makes up at least a third of the fitted Allan variance; None
+    where there are none.
     """
 
     value: float
