@@ -36,7 +36,10 @@ class Likelihood:
 
     `columns` (k, 4) and `precision` (k, k), the inverse covariance, belong to the Allan variances
     (k,), `mode_variance` (m, 4) to the `modes` (m,). `course` (m,) are the modes of a drift of unit
-    amplitude; the amplitude is always the most likely one unless `held` fixes it.
+    amplitude; the amplitude is always the most likely one unless `held` fixes it. A `restricted`
+    likelihood allows for what the estimated amplitude takes from the noise (restricted maximum
+    likelihood: H. D. Patterson and R. Thompson, Biometrika 58, 545, 1971); its deviance does not
+    compare with that of another course.
     """
 
     variances: NDArray[np.float64]
@@ -46,6 +49,7 @@ class Likelihood:
     mode_variance: NDArray[np.float64]
     course: NDArray[np.float64] | None = None
     held: float | None = None
+    restricted: bool = False
 
     def state(self, squares: NDArray[np.float64]) -> State:
         """Return the deviance of squared coefficients; infinite where they leave a mode no variance."""
@@ -55,6 +59,8 @@ class Likelihood:
         drift = self.amplitude(variance)
         residual = self.variances - self.columns @ squares
         modal = np.sum(np.log(variance) + self.noise_modes(drift) ** 2 / variance)
+        if self.restricted and self.course is not None:
+            modal += np.log(np.sum(self.course**2 / variance))
         return State(
             squares=squares,
             drift=drift,
@@ -122,6 +128,9 @@ class Likelihood:
         variance = self.mode_variance @ squares
         relative = self.mode_variance / variance[:, np.newaxis]
         excess = self.noise_modes(state.drift) ** 2 / variance - 1.0
+        if self.restricted and self.course is not None:
+            leverage = self.course**2 / variance
+            excess += leverage / leverage.sum()
         residual = self.variances - self.columns @ squares
         gradient = self.columns.T @ (self.precision @ residual) + 0.5 * (relative.T @ excess)
         # A coefficient at 0 that the data push below it takes no part.

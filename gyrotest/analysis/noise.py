@@ -199,6 +199,7 @@ class _Record:
                 modes=self.modes.mode_dps,
                 mode_variance=self.modes.variance,
                 course=None if course is None else course.slowest(self.modes.mode_dps.size).modes,
+                restricted=course is not None,
             )
             state = likelihood.minimise(squares, _ALL)
             squares = state.squares

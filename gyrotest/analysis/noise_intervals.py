@@ -120,7 +120,7 @@ class Profiles:
         given = self.solution.likelihood
         resolved = recognised is not None and recognised.kind is linear.kind
         modes = given.modes if resolved else self.solution.noise_modes()
-        likelihood = replace(given, course=linear.modes, modes=modes)
+        likelihood = replace(given, course=linear.modes, modes=modes, restricted=False)
         best = likelihood.minimise(self.solution.state.squares, tuple(range(TERMS)))
         variance = likelihood.mode_variance @ best.squares
         sigma = (self.widening / float(np.sum(linear.modes**2 / variance))) ** 0.5
