@@ -122,7 +122,8 @@ class Profiles:
         modes = given.modes if resolved else self.solution.noise_modes()
         likelihood = replace(given, course=linear.modes, modes=modes, restricted=False)
         best = likelihood.minimise(self.solution.state.squares, tuple(range(TERMS)))
-        variance = likelihood.mode_variance @ best.squares
+        # Not of `best`, whose noise lacks what its ramp has taken.
+        variance = self.solution.mode_variance()
         sigma = (self.widening / float(np.sum(linear.modes**2 / variance))) ** 0.5
         start = best.squares.copy()
 
@@ -134,8 +135,9 @@ class Profiles:
 
         sign = 1.0 if best.drift >= 0.0 else -1.0
         reach = {
-            deviance: upper_bound(
-                lambda size: excess(size, sign), value=0.0, sigma=sigma, deviance=deviance
+            deviance: max(
+                upper_bound(lambda size: excess(size, sign), value=0.0, sigma=sigma, deviance=deviance),
+                sigma * deviance**0.5,
             )
             for deviance in (ONE_SIGMA_DEVIANCE, NORMAL_95_DEVIANCE)
         }
