@@ -24,8 +24,9 @@ check: $(READY_DEV)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-## Speed and memory; prints the figures.
+## Speed, memory and how often intervals hold the truth, beside other packages; prints the figures.
 bench: $(READY_DEV)
+	bash .ci/setup $(VENV) benchmark
 	$(BIN)/python -m tests.benchmarks
 
 ## The pages that are generated: the reference of spec and station keys.

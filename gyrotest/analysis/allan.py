@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gyrotest.analysis.accumulator import AllanAccumulator
 from gyrotest.analysis.angle import checked_angle
 from gyrotest.analysis.curve import (
     AllanDeviation,
@@ -29,6 +30,7 @@ from gyrotest.errors import InsufficientDataError
 
 __all__ = [
     "FLAT",
+    "AllanAccumulator",
     "AllanDeviation",
     "allan_deviation",
     "default_factors",
