@@ -16,7 +16,7 @@ FLICKER = 2.0 * np.log(2.0) / np.pi
 """Allan variance of flicker noise over B²."""
 
 _EXACT_FACTORS = 64
-_FOLDS = 12
+_LEAST_FOLDS, _MOST_FOLDS = 12, 400
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,7 +81,9 @@ def spectrum_columns(frequency_hz: NDArray[np.float64], grid: Grid) -> NDArray[n
     p, a = grid.interval_s, grid.aperture_s
     white = np.full(frequency_hz.size, 2.0)
     folded = np.zeros(frequency_hz.size)
-    for fold in range(-_FOLDS, _FOLDS + 1):
+    # As far as an aperture passes anything.
+    folds = int(min(max(np.ceil(2.0 * p / a), _LEAST_FOLDS), _MOST_FOLDS))
+    for fold in range(-folds, folds + 1):
         f = np.abs(frequency_hz + fold / p)
         folded += np.sinc(f * a) ** 2 / (np.pi * f)
     cosine = np.cos(2.0 * np.pi * frequency_hz * p)

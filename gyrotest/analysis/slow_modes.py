@@ -3,7 +3,8 @@
 Over averaging times close to its length a record has few averages, whose Allan variances are far
 from normal and depend on each other. The record's cosine transform has neither fault: each mode is
 normal, and the modes of white noise and of a random walk are exactly uncorrelated, with the
-spectrum at k/(2T) as their variance (those of flicker noise nearly so).
+spectrum at k/(2T) as their variance. Those of flicker noise are nearly uncorrelated; the ends of the
+record take the share 2/(π²k) of their variance.
 """
 
 from dataclasses import dataclass, replace
@@ -19,6 +20,7 @@ TO_MODES = 0.4
 """Averaging time, over the record's length and times the number of modes, beyond which modes are used."""
 
 _BLOCKS_PER_MODE = 4
+_FLICKER = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,10 +59,12 @@ def slow_modes(rate_dps: NDArray[np.float64], grid: Grid) -> SlowModes:
     means -= means.mean()
     block_s = size * grid.interval_s
     spacing = Grid(interval_s=block_s, aperture_s=block_s)
-    frequency_hz = np.arange(1, count + 1) / (2.0 * blocks * block_s)
+    order = np.arange(1, count + 1)
+    variance = spectrum_columns(order / (2.0 * blocks * block_s), spacing)[:, :4] / (2.0 * block_s)
+    variance[:, _FLICKER] *= 1.0 - 2.0 / (np.pi**2 * order)
     return SlowModes(
         mode_dps=_cosine_modes(means, count),
-        variance=spectrum_columns(frequency_hz, spacing)[:, :4] / (2.0 * block_s),
+        variance=variance,
         blocks=blocks,
         duration_s=blocks * block_s,
     )
