@@ -19,6 +19,7 @@ _AT_ONCE = 32
 
 _NEIGHBOURS = 20
 _WIDE = 32
+_MOST = 0.7
 _LEAKAGE = 2
 _FALSE_ALARMS = 1e-3
 _LEAST_RATIO = 1.5
@@ -110,10 +111,18 @@ def spectrum(rate_dps: NDArray[np.float64], *, sample_rate_hz: float) -> Spectru
 
 
 def lines_in(found: Spectrum) -> tuple[Excess, ...]:
-    """Find the lines, wide ones (a resonance) first and then narrow ones (mains, a clock) beside them."""
-    wide = _standing_out(found.coarser(_WIDE))
-    narrow = (one for one in _standing_out(found) if not any(one.overlaps(each) for each in wide))
-    return (*wide, *narrow)
+    """Find the lines: wide ones (a resonance), and narrow ones (mains, a clock) beside them.
+
+    A strong narrow one stands out of the coarser spectrum too: it is narrow if most of it is.
+    """
+    narrow = _standing_out(found)
+    wide = [one for one in _standing_out(found.coarser(_WIDE)) if not _consists_of(one, narrow)]
+    return (*wide, *(one for one in narrow if not any(one.overlaps(each) for each in wide)))
+
+
+def _consists_of(wide: Excess, narrow: tuple[Excess, ...]) -> bool:
+    power = sum(float(one.power.sum()) for one in narrow if one.overlaps(wide))
+    return power > _MOST * float(wide.power.sum())
 
 
 def _standing_out(found: Spectrum) -> tuple[Excess, ...]:
