@@ -35,14 +35,15 @@ def mean_uncertainty(
 
     Notes
     -----
-    u² = 3Q²/T² + N²/T + (2 ln 2/π)·B² + K²·(T/3 + t₀) + R²T²/12. N²/T and K²T/3 are at once the Allan
-    variances at T and the variances of the mean about the bias at the record's begin; R·T/√12 is how
-    a ramp's rate spreads over the record; s/√n would count samples that are not independent. The
-    degrees of freedom are 2u⁴ over the variance of u².
+    u² = 3Q²/T² + N²/T + (2 ln 2/π)·B² + K²·(T/3 + t₀) + D²/12. N²/T and K²T/3 are at once the Allan
+    variances at T and the variances of the mean about the bias at the record's begin; D/√12 is how a
+    drift that changes the rate by D spreads over the record; s/√n would count samples that are not
+    independent. The degrees of freedom are 2u⁴ over the variance of u² that the noise terms have.
     """
     walk = duration_s / 3.0 + since_power_on_s
-    gradient = np.array([3.0 / duration_s**2, 1.0 / duration_s, FLICKER, walk, duration_s**2 / 12.0])
-    variance = float(gradient @ model.prudent_squares)
+    gradient = np.array([3.0 / duration_s**2, 1.0 / duration_s, FLICKER, walk, 0.0])
+    drift = 0.0 if model.drift is None else model.drift.change_dps**2 / 12.0
+    variance = float(gradient @ model.prudent_squares) + drift
     spread = float(gradient @ model.covariance @ gradient)
     return MeanUncertainty(
         standard_uncertainty_dps=float(np.sqrt(variance)),

@@ -19,6 +19,7 @@ from gyrotest.analysis.drift import Course, DriftSearch, courses, found_drift, s
 from gyrotest.analysis.goodness import goodness
 from gyrotest.analysis.interval import chi_square_quantile
 from gyrotest.analysis.likelihood import TERMS, Likelihood, Solution
+from gyrotest.analysis.minimum import AllanMinimum, allan_minimum
 from gyrotest.analysis.noise_intervals import Profiles
 from gyrotest.analysis.noise_model import (
     Drift,
@@ -35,11 +36,13 @@ from gyrotest.errors import InsufficientDataError
 
 __all__ = [
     "SHORTEST_RECORD",
+    "AllanMinimum",
     "Drift",
     "DriftKind",
     "NoiseModel",
     "NoiseTerm",
     "SpectralLine",
+    "allan_minimum",
     "fitted_factors",
     "identify_noise",
     "spectral_lines",

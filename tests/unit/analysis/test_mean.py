@@ -29,3 +29,14 @@ def test_a_wandering_mean_is_less_certain_than_its_samples_suggest() -> None:
     assert found.standard_uncertainty_dps > 5.0 * rate.std(ddof=1) / np.sqrt(rate.size)
     later = mean_uncertainty(model, duration_s=3600.0, since_power_on_s=7200.0)
     assert later.standard_uncertainty_dps >= found.standard_uncertainty_dps
+
+
+def test_a_drift_spreads_the_mean() -> None:
+    rate = gyro_noise(3600, angle_random_walk=30 * DPH, bias_instability=8 * DPH)
+    drifting = rate - 0.5 * np.linspace(0.0, 1.0, rate.size)
+    still, moved = (
+        mean_uncertainty(identify_noise(one, sample_rate_hz=1.0), duration_s=3600.0)
+        for one in (rate, drifting)
+    )
+    spread = np.sqrt(moved.standard_uncertainty_dps**2 - still.standard_uncertainty_dps**2)
+    assert spread == pytest.approx(0.5 / np.sqrt(12.0), rel=0.05)
