@@ -85,6 +85,26 @@ class TestNominal:
         assert sum(first_repeats) >= 26
         assert sum(held) / len(held) >= 26 / 30
 
+    @pytest.mark.parametrize(
+        ("name", "truth", "unit"),
+        [
+            ("bias_instability_coefficient", "bias_instability_coefficient_dps", "deg/s"),
+            ("rate_random_walk", "rate_random_walk_dps_per_sqrt_s", "deg/s**1.5"),
+        ],
+    )
+    def test_intervals_of_the_fitted_coefficients_hold_the_truth(
+        self, nominal: list[RunRecord], name: str, truth: str, unit: str
+    ) -> None:
+        def inside(result: JudgedResult, attempt: Attempt) -> float:
+            assert result.lower_95 is not None
+            assert result.upper_95 is not None
+            to = conversion_factor(result.unit, unit)
+            return float(result.lower_95 * to <= attempt.truth[truth] <= result.upper_95 * to)
+
+        held = _values(nominal, name, inside)
+        assert len(held) == 90
+        assert sum(held) >= 80
+
 
 def _assert_honest(z: list[float]) -> None:
     """The first repeat of each of 30 units alone, and all of them."""
