@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gyrotest.analysis.allan import overlapping_allan_deviation
+from gyrotest.analysis.noise import identify_noise, spectral_lines
 from gyrotest.procedures.static import Static, StaticParameters
 from gyrotest.records.plan import Context, Reduction
 from gyrotest.records.recording import Samples, Sampling
@@ -74,3 +75,26 @@ def test_the_sources_formula_gives_the_same_stability(real_data: Path) -> None:
     results = {one.name: one.value for one in reduced(rate).results}
     expected = 3600.0 / 50.0 * np.std(millivolts, ddof=1)
     assert results["bias_stability_1s"] == pytest.approx(expected, rel=1e-12)
+
+
+def test_the_z_axiss_line_near_20_hz_is_found_and_the_y_axis_has_none(real_data: Path) -> None:
+    (line,) = spectral_lines(rates(real_data, "z"), sample_rate_hz=100.0)
+    assert line.line.frequency_hz == pytest.approx(19.72, abs=0.02)
+    assert line.line.amplitude_dps == pytest.approx(0.333, rel=0.05)
+    assert spectral_lines(rates(real_data, "y"), sample_rate_hz=100.0) == ()
+
+
+@pytest.mark.parametrize("axis", list(AXES))
+def test_the_noise_is_taken_from_beyond_the_sensors_filter(real_data: Path, axis: str) -> None:
+    """At 1 s the Allan deviation is nearly all angle random walk; at 0.01 s it is filtered, of z it rings."""
+    model = identify_noise(rates(real_data, axis), sample_rate_hz=100.0)
+    assert model.first_tau_s >= 0.1
+    walk, flicker = model.angle_random_walk, model.bias_instability_coefficient
+    at_1_s = float(AXES[axis][3][0])
+    assert walk.resolved
+    assert walk.value == pytest.approx((at_1_s**2 - 0.4413 * flicker.value**2) ** 0.5, rel=0.02)
+    assert walk.standard_uncertainty < 0.01 * walk.value
+    assert flicker.resolved
+    assert 0.6643 * flicker.value == pytest.approx(float(AXES[axis][3][2]), rel=0.3)
+    assert not model.quantization_noise.resolved
+    assert model.fit_probability > 0.01
