@@ -71,7 +71,7 @@ class AllanFit:
         Whether a sample is a mean or a momentary value is not known of a digital gyro: a rectangular
         distribution between the two.
         """
-        density = self.spectra @ squares
+        density = self.spectra @ np.maximum(squares, 0.0)
         weighted = self.response * (density**2 * self.widths_hz)
         products = np.zeros(self.overlap_s.shape)
         # In pieces too small for a linear algebra library to call in other threads, which costs more.

@@ -16,6 +16,8 @@ _CONVERGED = 1e-4
 _SHORTEST_STEP = 1e-6
 _TINY = 1e-300
 _RIDGE = 1e-12 * np.eye(4)
+_NOT_NEGATIVE = np.zeros(4)
+_FILTERED = np.array([-np.inf, 0.0, 0.0, 0.0])
 
 TERMS = 4
 """Noise terms with a spectrum: Q, N, B, K. A ramp has none: it is a drift."""
@@ -39,7 +41,9 @@ class Likelihood:
     amplitude; the amplitude is always the most likely one unless `held` fixes it. A `restricted`
     likelihood allows for what the estimated amplitude takes from the noise (restricted maximum
     likelihood: H. D. Patterson and R. Thompson, Biometrika 58, 545, 1971); its deviance does not
-    compare with that of another course.
+    compare with that of another course. Of a `filtered` record Q² may be negative: what a low-pass
+    filter takes from the Allan variances of white noise falls as 1/τ² beyond it, as quantization noise
+    does, and would else be taken from the angle random walk.
     """
 
     variances: NDArray[np.float64]
@@ -49,6 +53,7 @@ class Likelihood:
     mode_variance: NDArray[np.float64]
     course: NDArray[np.float64] | None = None
     held: float | None = None
+    filtered: bool = False
     restricted: bool = False
 
     def state(self, squares: NDArray[np.float64]) -> State:
@@ -66,6 +71,11 @@ class Likelihood:
             drift=drift,
             deviance=float(residual @ self.precision @ residual + modal),
         )
+
+    @property
+    def least(self) -> NDArray[np.float64]:
+        """The least squared coefficients (4,) allowed."""
+        return _FILTERED if self.filtered else _NOT_NEGATIVE
 
     def amplitude(self, variance: NDArray[np.float64]) -> float:
         """Return the drift's amplitude by weighted least squares."""
@@ -133,8 +143,8 @@ class Likelihood:
             excess += leverage / leverage.sum()
         residual = self.variances - self.columns @ squares
         gradient = self.columns.T @ (self.precision @ residual) + 0.5 * (relative.T @ excess)
-        # A coefficient at 0 that the data push below it takes no part.
-        moving = chosen[(squares[chosen] > 0.0) | (gradient[chosen] > 0.0)]
+        # A coefficient at its least that the data push below it takes no part.
+        moving = chosen[(squares[chosen] > self.least[chosen]) | (gradient[chosen] > 0.0)]
         step = np.zeros(TERMS)
         if moving.size:
             information = self.information(squares)[moving][:, moving]
@@ -150,7 +160,7 @@ class Likelihood:
         length = 1.0
         while length > _SHORTEST_STEP:
             squares = state.squares.copy()
-            squares[chosen] = np.maximum(squares[chosen] + length * step[chosen], 0.0)
+            squares[chosen] = np.maximum(squares[chosen] + length * step[chosen], self.least[chosen])
             found = self.state(squares)
             if found.deviance < state.deviance:
                 return found

@@ -153,11 +153,15 @@ def fitted_factors(samples: int) -> NDArray[np.int64]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Record:
-    """What is fitted, Allan variances and slow modes, and the drifts that are looked for."""
+    """What is fitted, Allan variances and slow modes, and the drifts that are looked for.
+
+    `filtered` says that short times contradict the longer ones, as a filter makes them.
+    """
 
     fit: AllanFit
     modes: SlowModes
     candidates: tuple[Course, ...]
+    filtered: bool = False
 
     def since(self, first: int) -> "_Record":
         """Leave out the shortest averaging times; after the last of them, an octave of modes each."""
@@ -203,6 +207,7 @@ class _Record:
                 mode_variance=self.modes.variance,
                 course=None if course is None else course.slowest(self.modes.mode_dps.size).modes,
                 restricted=course is not None,
+                filtered=self.filtered,
             )
             state = likelihood.minimise(squares, _ALL)
             squares = state.squares
@@ -217,7 +222,8 @@ def _identified(record: _Record, lines: tuple[Excess, ...]) -> NoiseModel:
     """Recognise a drift, find where the fit begins, and fit."""
     found = record.solved()
     search = record.searched(found)
-    record = record.since(_first_consistent(record.less(search), search.course, found))
+    first = _first_consistent(record.less(search), search.course, found)
+    record = replace(record.since(first), filtered=first > 0)
     still = record.solved(start=found.state.squares)
     search = record.searched(still)
     final = still
@@ -256,6 +262,8 @@ def _parsimonious(solution: Solution) -> Solution:
     It is hardly ever there, and an idle term that cannot be negative would pull the angle random
     walk down.
     """
+    if solution.likelihood.filtered:
+        return solution
     fewer = solution.without(_QUANTIZATION)
     return fewer if fewer.state.deviance - solution.state.deviance < _AKAIKE else solution
 

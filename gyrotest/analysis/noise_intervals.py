@@ -65,6 +65,17 @@ class Bounds:
         )
 
 
+def _none_found(sigma: float) -> Bounds:
+    """Return the bounds of a squared coefficient that drowns in a filter's share: no more than could be seen."""
+    return Bounds(
+        value=0.0,
+        lower_68=0.0,
+        upper_68=ONE_SIGMA_DEVIANCE**0.5 * sigma,
+        lower_95=0.0,
+        upper_95=NORMAL_95 * sigma,
+    )
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Profiles:
     """A fit whose coefficients are given bounds.
@@ -83,6 +94,8 @@ class Profiles:
     def coefficient(self, which: int, sigma: float) -> Bounds:
         """Return the bounds of a squared coefficient whose standard uncertainty is about `sigma`."""
         value = float(self.solution.state.squares[which])
+        if value < 0.0:
+            return _none_found(sigma)
         excess = self._excess(which)
         lower_68, lower_95 = (
             0.0

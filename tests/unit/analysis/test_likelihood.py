@@ -71,6 +71,16 @@ def test_a_start_that_leaves_the_modes_no_variance_is_mended() -> None:
     assert found.deviance == pytest.approx(likelihood.minimise(TRUTH, ALL).deviance, abs=1e-3)
 
 
+def test_only_of_a_filtered_record_the_first_term_may_be_negative() -> None:
+    missing = np.array([-0.1, 1.0, 0.4, 0.02])
+    likelihood = replace(problem(), variances=problem().columns @ missing)
+    assert likelihood.minimise(TRUTH, ALL).squares[0] == 0.0
+    filtered = replace(likelihood, filtered=True).minimise(TRUTH, ALL)
+    assert filtered.squares[0] < 0.0
+    assert (filtered.squares[1:] >= 0.0).all()
+    assert filtered.deviance < likelihood.minimise(TRUTH, ALL).deviance
+
+
 def test_terms_that_are_not_free_stay_as_they_are() -> None:
     found = problem().minimise(np.array([0.0, 1.0, 0.7, 0.02]), (1, 3))
     assert found.squares[[0, 2]].tolist() == [0.0, 0.7]
