@@ -40,7 +40,7 @@ def goodness(solution: Solution) -> Goodness:
     bands = _bands(relative.size)
     counts = np.diff(np.append(bands, relative.size))
     means = np.maximum(np.add.reduceat(relative, bands) / counts, 1e-12)
-    chi_square = float(residual @ likelihood.precision @ residual)
+    chi_square = max(float(residual @ likelihood.precision @ residual), 0.0)
     chi_square += float(np.sum(counts * (means - 1.0 - np.log(means))))
     used = int(np.count_nonzero(state.squares)) + (likelihood.course is not None)
     freedom = max(residual.size + bands.size - used, 1)

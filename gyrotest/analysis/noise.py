@@ -61,7 +61,7 @@ _ROUNDS_ON = 2
 _ALL = (0, 1, 2, 3)
 _QUANTIZATION = 0
 _AKAIKE = 2.0
-_ROUNDING = 1e-12
+_ROUNDING = 1e-10
 _NO_NOISE = (
     "no noise model describes the record: all that moves in it is a drift, a tone or a few samples,"
     " without noise; is this a gyro's output, and are all samples of it?"
@@ -185,6 +185,13 @@ class _Record:
         tau_s = self.fit.tau_s
         return float(tau_s[0]) if tau_s.size else self.modes.first_tau_s
 
+    def share_at_first(self, search: DriftSearch) -> float:
+        """Return a recognised drift's Allan variance where the fit begins; 0 of none."""
+        if search.course is None:
+            return 0.0
+        tau = np.array([self.first_tau_s / self.modes.duration_s])
+        return float(search.amplitude**2 * search.course.allan_variances(tau)[0])
+
     def less(self, search: DriftSearch) -> "_Record":
         """Take a recognised drift's share out of the Allan variances."""
         if search.course is None:
@@ -289,7 +296,7 @@ def _model(
     factors = factors[factors * record.fit.grid.interval_s >= record.first_tau_s * (1.0 - 1e-9)]
     parts = allan_columns(factors, record.fit.grid) * squares
     shares = parts / parts.sum(axis=1, keepdims=True)
-    if parts[0, :TERMS].sum() <= (_ROUNDING * search.amplitude) ** 2:
+    if parts[0, :TERMS].sum() <= _ROUNDING * record.share_at_first(search):
         raise InsufficientDataError(_NO_NOISE)
     tau_s = np.asarray(factors * record.fit.grid.interval_s, dtype=np.float64)
     terms = [

@@ -112,8 +112,8 @@ class Profiles:
             value=stated,
             lower_68=min(lower_68, stated),
             upper_68=max(upper_68, stated),
-            lower_95=min(lower_95, stated),
-            upper_95=max(upper_95, stated),
+            lower_95=min(lower_95, lower_68, stated),
+            upper_95=max(upper_95, upper_68, stated),
         )
 
     def _excess(self, which: int) -> Callable[[float], float]:
