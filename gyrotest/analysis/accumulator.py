@@ -3,10 +3,12 @@
 import threading
 from collections.abc import Sequence
 from enum import StrEnum
+from typing import NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gyrotest.analysis.angle import real_samples
 from gyrotest.analysis.curve import AllanDeviation, bounded_curve, checked_factors, checked_sample_rate
 from gyrotest.analysis.edf import allan_edf
 from gyrotest.analysis.stream_sums import BoundedSums, ExactSums, StreamSums
@@ -85,11 +87,11 @@ class AllanAccumulator:
         Raises
         ------
         InsufficientDataError
-            A sample is not finite; its place in the stream is named, and nothing was taken in.
+            A sample is masked, or not finite; then its place in the stream is named. Nothing was taken in.
         ValueError
-            The leading axes differ from the first block's.
+            The leading axes differ from the first block's, or the samples are no real numbers.
         """
-        samples = np.asarray(block, dtype=np.float64)
+        samples = np.asarray(real_samples(block), dtype=np.float64)
         with self._lock:
             if samples.shape[:-1] != self._shape or not samples.ndim:
                 self._begin(samples)
@@ -104,11 +106,16 @@ class AllanAccumulator:
         Raises
         ------
         InsufficientDataError
-            Too few samples: bounded 9, exact twice the shortest factor; or they are all the same.
+            Too few samples: bounded 9, exact twice the shortest factor; or they are all the same, or so
+            large that their squares are no numbers.
         """
         with self._lock:
             found = self._sums.variances()
             samples, lead = self._sums.samples, self._shape or ()
+        if not np.all(np.isfinite(found.variances)):
+            raise InsufficientDataError(
+                "the samples are so large that their squares are no numbers any more; is their unit right?"
+            )
         types = found.types.reshape(*lead, -1)
         return bounded_curve(
             averaging_factor=found.factors,
@@ -118,6 +125,10 @@ class AllanAccumulator:
             edf=allan_edf(samples + 1, found.factors, types, strides=found.strides),
             noise_type=types,
         )
+
+    def __reduce__(self) -> NoReturn:
+        """Refuse: two that share one state would both be wrong."""
+        raise TypeError("an accumulator is neither copied nor pickled; take its result, or push to two")
 
     def _checked(self, factors: Sequence[int] | NDArray[np.int64] | None) -> NDArray[np.int64] | None:
         if self._mode is Mode.EXACT:

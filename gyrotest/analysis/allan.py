@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gyrotest.analysis.accumulator import AllanAccumulator
-from gyrotest.analysis.angle import checked_angle
+from gyrotest.analysis.angle import checked_angle, real_samples
 from gyrotest.analysis.curve import (
     AllanDeviation,
     bounded_curve,
@@ -69,8 +69,8 @@ def overlapping_allan_deviation(
     Raises
     ------
     InsufficientDataError
-        Too few samples for the factors, a sample that is not finite, or a constant record; of
-        several axes the first such one is named.
+        Too few samples for the factors, samples that are masked or not finite, or a constant record;
+        of several axes the first such one is named.
     ValueError
         An averaging factor is no positive whole number, or a sample rate not positive and finite.
 
@@ -200,7 +200,7 @@ def _curve(
     sample_rate_hz: float,
     averaging_factors: Sequence[int] | None,
 ) -> AllanDeviation:
-    rate = np.asarray(rate_dps)
+    rate = real_samples(rate_dps)
     checked_sample_rate(sample_rate_hz)
     if not rate.ndim or not np.prod(rate.shape[:-1], dtype=int):
         raise ValueError(f"a rate record has shape (..., n) and at least one axis, found {rate.shape}")

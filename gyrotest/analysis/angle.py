@@ -9,6 +9,30 @@ from gyrotest.errors import InsufficientDataError
 BLOCK = 8192
 """Samples worked on at a time: they stay in the cache, and a dot product of them in one thread."""
 
+_SMALLEST, _LARGEST = 1e-140, 1e140  # mean departures whose squares are numbers still
+_NUMBERS = "biufO"
+
+
+def real_samples(samples: ArrayLike) -> NDArray[np.generic]:
+    """Return samples as an array of any shape.
+
+    Raises
+    ------
+    InsufficientDataError
+        Samples are masked.
+    ValueError
+        They are no real numbers: complex, times or text.
+    """
+    masked = int(np.sum(samples.mask)) if isinstance(samples, np.ma.MaskedArray) else 0
+    if masked:
+        raise InsufficientDataError(
+            f"{masked} of {np.size(samples)} samples are masked; take a part that has all of its samples"
+        )
+    array = np.asarray(samples)
+    if array.dtype.kind not in _NUMBERS:
+        raise ValueError(f"samples are real numbers, found {array.dtype}")
+    return array
+
 
 def checked_rate(rate_dps: ArrayLike) -> NDArray[np.float64]:
     """Return the record as a one-dimensional float array.
@@ -49,7 +73,7 @@ def _at_cache_line(size: int) -> NDArray[np.float64]:
 
 
 def _record(rate_dps: ArrayLike) -> NDArray[np.float64]:
-    rate = np.asarray(rate_dps, dtype=np.float64)
+    rate = np.asarray(real_samples(rate_dps), dtype=np.float64)
     if rate.ndim != 1:
         raise ValueError(f"a rate record has one dimension, found {rate.ndim}")
     if rate.size < 2:
@@ -66,6 +90,12 @@ def _scanned(rate: NDArray[np.float64]) -> NDArray[np.float64]:
     if found[0] == 0.0:
         raise InsufficientDataError(
             f"all {rate.size} samples are {rate[0]:.6g}: a constant carries no noise; is the output alive?"
+        )
+    departure = float(found[0]) / rate.size
+    if not _SMALLEST < departure < _LARGEST:
+        raise InsufficientDataError(
+            f"the samples depart from the first by {departure:.3g} on average: the squares are no numbers any"
+            " more; is the unit, or a factor, right?"
         )
     return found[1:]
 

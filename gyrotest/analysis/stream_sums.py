@@ -84,8 +84,6 @@ class ExactSums:
 
     def variances(self) -> Variances:
         """Compute the variances at all factors that fit twice into the samples."""
-        if np.any(self._ends[:, stream.UNLIKE] == 0.0):
-            raise _no_noise(self.samples)
         possible = 2 * self._factors <= self.samples
         factors = self._factors[possible]
         if not factors.size:
@@ -93,6 +91,8 @@ class ExactSums:
                 f"averaging {self._factors[0]} samples needs at least {2 * self._factors[0]};"
                 f" there are {self.samples} so far"
             )
+        if np.any(self._ends[:, stream.UNLIKE] == 0.0):
+            raise _no_noise(self.samples)
         sums, lags = self._sums.copy(), self._lags.copy()
         self._work(sums, lags)
         differences = self.samples + 1 - 2 * factors

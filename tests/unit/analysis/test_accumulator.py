@@ -1,6 +1,8 @@
 """The Allan deviation of a stream, against the one of the whole record."""
 
-from collections.abc import Sequence
+import copy
+import pickle
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
@@ -201,3 +203,32 @@ def test_mistakes_in_its_use_are_named() -> None:
     stream.push([[1.0, 2.0]])
     with pytest.raises(ValueError, match=r"leading axes \(1,\); found a block of shape \(2,\)"):
         stream.push([1.0, 2.0])
+
+
+@pytest.mark.parametrize("mode", Mode)
+def test_masked_and_complex_samples_are_refused(mode: Mode) -> None:
+    stream = accumulator(mode)
+    with pytest.raises(InsufficientDataError, match="2 of 3 samples are masked"):
+        stream.push(np.ma.masked_array([1.0, 2.0, 3.0], mask=[True, False, True]))
+    with pytest.raises(ValueError, match="samples are real numbers, found complex128"):
+        stream.push(np.array([1j]))
+    assert stream.n_samples == 0
+
+
+@pytest.mark.parametrize("mode", Mode)
+def test_samples_whose_squares_are_no_numbers_give_no_result(mode: Mode) -> None:
+    stream = accumulator(mode)
+    stream.push(1e300 * gyro_noise(500, angle_random_walk=1.0))
+    with pytest.raises(InsufficientDataError, match="their squares are no numbers any more"):
+        stream.result()
+
+
+def test_before_the_first_sample_too_few_are_told() -> None:
+    with pytest.raises(InsufficientDataError, match="averaging 1 samples needs at least 2; there are 0"):
+        accumulator(Mode.EXACT).result()
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickle.dumps])
+def test_an_accumulator_is_not_copied(copied: Callable[[AllanAccumulator], object]) -> None:
+    with pytest.raises(TypeError, match="neither copied nor pickled"):
+        copied(accumulator(Mode.BOUNDED))

@@ -336,3 +336,31 @@ def test_averaging_factors_come_back_ascending_and_once() -> None:
     rate = gyro_noise(100, angle_random_walk=1.0)
     curve = overlapping_allan_deviation(rate, sample_rate_hz=1.0, averaging_factors=[5, 1, 5, 2])
     assert curve.averaging_factor.tolist() == [1, 2, 5]
+
+
+@every_estimator
+def test_a_masked_sample_is_no_sample(estimator: str) -> None:
+    rate = gyro_noise(50, angle_random_walk=1.0)
+    with pytest.raises(InsufficientDataError, match="1 of 50 samples are masked"):
+        FAMILY[estimator][0](np.ma.masked_array(rate, mask=np.arange(50) == 5), sample_rate_hz=1.0)
+    unmasked = FAMILY[estimator][0](np.ma.masked_array(rate), sample_rate_hz=1.0)
+    np.testing.assert_array_equal(
+        unmasked.deviation_dps, FAMILY[estimator][0](rate, sample_rate_hz=1.0).deviation_dps
+    )
+
+
+@pytest.mark.parametrize(
+    "samples",
+    [np.ones(50) * 1j, np.array(["1.5", "2.5"] * 25), np.arange(50).astype("m8[s]")],
+    ids=["complex", "text", "times"],
+)
+def test_what_are_no_real_numbers_are_refused(samples: np.ndarray) -> None:
+    with pytest.raises(ValueError, match="samples are real numbers, found "):
+        overlapping_allan_deviation(samples, sample_rate_hz=1.0)
+
+
+@pytest.mark.parametrize("factor", [1e200, 1e-200])
+def test_samples_whose_squares_are_no_numbers_are_refused(factor: float) -> None:
+    rate = factor * gyro_noise(50, angle_random_walk=1.0)
+    with pytest.raises(InsufficientDataError, match="the squares are no numbers any more; is the unit"):
+        overlapping_allan_deviation(rate, sample_rate_hz=1.0)
