@@ -1,8 +1,10 @@
 """`gyrotest analyse`: the static procedure's analysis of recorded files, without a test run."""
 
 import argparse
+import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,6 +49,7 @@ def _analyse(parser: argparse.ArgumentParser, parsed: argparse.Namespace) -> int
 def _analyses(files: Sequence[Path], asked: "Wanted") -> tuple[list["Analysis"], list[str]]:
     """Analyse one column after another: what is refused does not keep the others from it."""
     from gyrotest.cli.analyse_progress import watched
+    from gyrotest.offline.record import check_known
     from gyrotest.offline.sources import sources_of
 
     analyses: list[Analysis] = []
@@ -55,6 +58,7 @@ def _analyses(files: Sequence[Path], asked: "Wanted") -> tuple[list["Analysis"],
         for path in files:
             try:
                 sources = sources_of(path, asked.request)
+                check_known(path, asked.request)
             except GyrotestError as error:
                 _refuse(refused, error)
                 continue
@@ -68,15 +72,20 @@ def _analyses(files: Sequence[Path], asked: "Wanted") -> tuple[list["Analysis"],
 
 def _one(source: "Source", asked: "Wanted", progress: "Silence") -> "Analysis":
     from gyrotest.offline.analysis import analysed
-    from gyrotest.offline.record import rate_record
+    from gyrotest.offline.record import placed, rate_record
 
     request = asked.request
     record = rate_record(source, request, progress.reads(source.path.name))
     progress.analyses(source.path.name)
-    return analysed(record, bandwidth_hz=request.bandwidth_hz, datasheet=request.datasheet)
+    try:
+        return analysed(record, bandwidth_hz=request.bandwidth_hz, datasheet=request.datasheet)
+    except GyrotestError as error:
+        raise placed(error, source) from error
 
 
 def _refuse(refused: list[str], error: GyrotestError) -> None:
+    if str(error) in refused:
+        return  # what hinders every column of a file
     refused.append(str(error))
     sys.stderr.write(f"{error}\n")
 
@@ -98,14 +107,36 @@ def _write(analyses: list["Analysis"], refused: list[str], asked: "Wanted") -> N
     if "-" not in (asked.json, asked.csv):
         from gyrotest.offline.table import tables
 
-        sys.stdout.write(tables(_console(), analyses))
+        with _standard_output():
+            sys.stdout.write(tables(_console(), analyses))
 
 
 def _put(text: str, target: str) -> None:
     if target == "-":
-        sys.stdout.write(text)
+        with _standard_output():
+            getattr(sys.stdout, "reconfigure", _ignored)(encoding="utf-8")  # as in a file
+            sys.stdout.write(text)
     else:
         _save(Path(target), text.encode())
+
+
+@contextmanager
+def _standard_output() -> Iterator[None]:
+    """Write to standard output: no fault where a reader has had enough, `GyrotestError` for any other."""
+    if sys.stdout is None:
+        raise GyrotestError("standard output is closed; give --json, --csv or --plot a file")
+    try:
+        yield
+        sys.stdout.flush()
+    except OSError as error:
+        # What is left in the buffer would be written, and fail, at the end of the process once more.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            raise GyrotestError(f"standard output: cannot be written: {error.strerror}") from error
+
+
+def _ignored(*, encoding: str) -> None:
+    del encoding
 
 
 def _save(path: Path, content: bytes) -> None:

@@ -52,7 +52,6 @@ def _add_what(group: Any) -> None:
     group.add_argument(
         "--time-unit",
         metavar="UNIT",
-        default="s",
         help="its unit, e.g. ms (default: s); 'sample' where it numbers the samples",
     )
     group.add_argument(

@@ -2,6 +2,7 @@
 
 import argparse
 import difflib
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, cast
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 _PLOTS = ("pdf", "png", "svg")
+_SHORTEST_S, _LONGEST_S = 1e-9, 1e6  # between samples
 _UNIT_EXAMPLES = ("deg/s", "deg/h", "rad/s", "mrad/s", "V", "mV", "uV", "count", "rpm")
 
 
@@ -226,13 +228,18 @@ class _Door:
             and aperture.to("s") > interval_s * (1 + 1e-6)
         ):
             self._fault("aperture", f"'{aperture}' is longer than the interval of {interval_s:g} s")
-        if self._parsed.scale == 0.0 or self._parsed.scale != self._parsed.scale:
-            self._fault("scale", "must be a number other than 0")
+        if self._parsed.scale == 0.0 or not math.isfinite(self._parsed.scale):
+            self._fault("scale", "must be a finite number other than 0")
+        if interval_s is not None and not _SHORTEST_S <= interval_s <= _LONGEST_S:
+            option = "rate" if self._parsed.interval is None else "interval"
+            self._fault(option, f"one sample in {interval_s:g} s is no gyro's; look at its unit")
         if self._parsed.skip_rows < 0:
             self._fault("skip-rows", "must not be below 0")
 
     def _check_time_unit(self) -> None:
         unit = self._parsed.time_unit
+        if unit is None:
+            return
         if unit == "sample":
             if self._parsed.rate is None and self._parsed.interval is None:
                 self._fault("time-unit", "'sample' needs --rate or --interval")
@@ -248,6 +255,7 @@ class _Door:
             self._fault("csv", "only one of --json and --csv can go to standard output")
         if parsed.plot is not None and parsed.plot.suffix.lower().removeprefix(".") not in _PLOTS:
             self._fault("plot", f"'{parsed.plot}' must end with .pdf, .png or .svg")
+        written: dict[Path, str] = {}
         for option in ("json", "csv", "plot"):
             target = getattr(parsed, option)
             if target is None or str(target) == "-":
@@ -257,6 +265,10 @@ class _Door:
                 self._fault(option, f"'{path}': there is no folder {path.parent}")
             elif any(_same_file(path, one) for one in parsed.files):
                 self._fault(option, f"'{path}' is a file to be analysed; it would be overwritten")
+            elif path.is_file() or not path.exists():
+                other = written.setdefault(path.resolve(), option)
+                if other != option:
+                    self._fault(option, f"'{path}' is --{other}'s already; give another name")
 
 
 def _column(text: str) -> str | int:

@@ -1,5 +1,7 @@
 """A rate record out of a file: read, evenly spaced, sound, and in °/s."""
 
+import re
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +17,7 @@ from gyrotest.offline.request import Request
 from gyrotest.offline.sources import Source, time_like
 from gyrotest.offline.uniform import Uniform, uniform_by_row, uniform_by_time
 from gyrotest.procedures.static.soundness import rounding_complaint
+from gyrotest.recordings.formats.contents import contents
 from gyrotest.recordings.formats.detect import Format, detect
 from gyrotest.recordings.formats.selection import Selection
 from gyrotest.recordings.reader import read_header
@@ -23,6 +26,7 @@ from gyrotest.units import conversion_factor, printed_unit
 
 _INTERVALS_AGREE = 1e-3
 _SAMPLE = "sample"
+_UNIT_IN_NAME = re.compile(r"(?:^|[\[( _])(ms|us|ns|[µμ]s)[\])]?$", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,11 +55,32 @@ def rate_record(source: Source, request: Request, watch: Watch) -> RateRecord:
     try:
         return _rate_record(source, request, watch)
     except (GyrotestError, OSError) as error:
-        place = str(source.path)
-        told = str(error)
-        if not told.startswith(place):
-            told = f"{place}: {source.name}: {told}" if source.name else f"{place}: {told}"
-        raise RecordingError(told) from error
+        raise placed(error, source) from error
+
+
+def placed(error: Exception, source: Source) -> RecordingError:
+    """Return an error whose message begins with the file and the column."""
+    place, told = str(source.path), str(error)
+    if not told.startswith(place):
+        told = f"{place}: {source.name}: {told}" if source.name else f"{place}: {told}"
+    return RecordingError(told)
+
+
+def check_known(path: Path, request: Request) -> None:
+    """Check what every column of a file needs; raises `RecordingError` with all that is not known."""
+    own = own_sampling(path)
+    faults: list[str] = []
+    for needed in (
+        lambda: request.conversion(own.unit if own else None),
+        lambda: _stated_interval(request, own, path),
+        lambda: _check_time_unit(request, path),
+    ):
+        try:
+            needed()
+        except RecordingError as error:
+            faults.append(str(error))
+    if faults:
+        raise RecordingError(f"{path}: {'; '.join(faults)}")
 
 
 def _rate_record(source: Source, request: Request, watch: Watch) -> RateRecord:
@@ -64,7 +89,7 @@ def _rate_record(source: Source, request: Request, watch: Watch) -> RateRecord:
     interval_s = _stated_interval(request, own, source.path)
     column = read_column(source, _selection(source, request), watch)
     if not column.values.size:
-        raise InsufficientDataError("there are no samples")
+        raise InsufficientDataError(_nothing(request))
     uniform = _uniform(column, request, interval_s)
     values = column.values[uniform.stretch.start : uniform.stretch.stop]
     unit = own.unit if own else request.unit or ""
@@ -110,7 +135,7 @@ def _stated_interval(request: Request, own: Sampling | None, path: Path) -> floa
         return own.interval_s
     if stated_s is None and request.time_column is None:
         near = time_like(path, request)
-        hint = f"--time-column {near}" if near else "--time-column NAME"
+        hint = f"--time-column {shlex.quote(near)}" if near else "--time-column NAME"
         raise RecordingError(f"its sampling rate is not known; give e.g. --rate '100 Hz', or {hint}")
     return stated_s
 
@@ -131,7 +156,35 @@ def _uniform(column: Column, request: Request, interval_s: float | None) -> Unif
 def _time_factor_s(request: Request) -> float:
     if request.time_unit == _SAMPLE and request.interval_s is not None:
         return request.interval_s
-    return conversion_factor(request.time_unit, "s")
+    return 1.0 if request.time_unit is None else conversion_factor(request.time_unit, "s")
+
+
+def _check_time_unit(request: Request, path: Path) -> None:
+    """Refuse to take for seconds what is called milliseconds."""
+    if request.time_column is None or request.time_unit is not None:
+        return
+    name = _column_name(request.time_column, path, request.skip_rows)
+    found = _UNIT_IN_NAME.search(name)
+    if found:
+        raise RecordingError(
+            f"its time column is called '{name}'; give --time-unit {found[1]}, or --time-unit s if it is in"
+            " seconds all the same"
+        )
+
+
+def _column_name(column: str | int, path: Path, skip_rows: int) -> str:
+    if isinstance(column, str):
+        return column
+    tables = contents(path, skip_rows=skip_rows)
+    names = tables[0].columns if len(tables) == 1 else ()
+    return names[column - 1] if 0 < column <= len(names) else ""
+
+
+def _nothing(request: Request) -> str:
+    if not request.where:
+        return "there are no samples"
+    filters = ", ".join(f"{name}={content}" for name, content in request.where.items())
+    return f"no row has {filters}; look at --where"
 
 
 def _checked(values: NDArray[np.float64], first_row: int, unit: str) -> tuple[str, ...]:

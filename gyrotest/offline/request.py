@@ -29,7 +29,8 @@ class Request:
     """What the user asks for; what is None is left to the file.
 
     `columns` by name, or by number from 1. `reading_s` is the aperture of one sample, or `duty` the
-    part of each interval that it covers. `scale` stands before the unit.
+    part of each interval that it covers. `time_unit` None is s, unless the column's name says otherwise.
+    `scale` stands before the unit.
     """
 
     columns: tuple[str | int, ...] = ()
@@ -38,7 +39,7 @@ class Request:
     skip_rows: int = 0
     interval_s: float | None = None
     time_column: str | int | None = None
-    time_unit: str = "s"
+    time_unit: str | None = None
     scale: float = 1.0
     unit: str | None = None
     scale_factor: Quantity | None = None

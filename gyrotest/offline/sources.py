@@ -1,5 +1,6 @@
 """Which columns of a file are analysed: those asked for, else its rate columns where they are plain."""
 
+import difflib
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,13 +14,17 @@ _RATE = re.compile(
     r"gyr|omega|ang(ular)?[ _]?(rate|vel)|(^|[^a-z])rate|dps|deg/s|rads?/s|°/s|^[gw][ _]?[xyz]$",
     re.IGNORECASE,
 )
-_NO_RATE = re.compile(r"temp|sample[ _]?rate|bias|raw_?time|input|encoder|acc", re.IGNORECASE)
+_NO_RATE = re.compile(
+    r"temp|sample[ _]?rate|bias|raw_?time|time_?stamp|input|encoder|acc|scale|range|status",
+    re.IGNORECASE,
+)
 _TIME = re.compile(
     r"^(t|n|index|row|time\b.*|timestamp.*|t[ _]?\[?\(?(s|ms|us)\)?\]?|.*[ _]time|time_.*|samples?"
     r"|count(er)?|date.*|utc.*|epoch.*|sec(onds?)?|ms)$",
     re.IGNORECASE,
 )
 _AXES = 3
+_MANY = 1000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,18 +44,36 @@ def sources_of(path: Path, request: Request) -> tuple[Source, ...]:
     """
     if request.columns:
         return tuple(_source(path, request.array, column) for column in request.columns)
+    held = contents(path, skip_rows=request.skip_rows)
+    _check_array(path, request.array, held)
     tables = [
-        one
-        for one in contents(path, skip_rows=request.skip_rows)
-        if request.array in (None, one.array) and not _is_time(one.array)
+        one for one in held if request.array in (None, one.array) and not _is_time_array(one.array)
     ]
-    plain = [one for one in (*_rates(tables, request), *_only(tables, request)) if one.columns]
-    if len(plain) != 1 and len(list(_rates(tables, request))) != 1:
+    rates = list(_rates(tables, request))
+    plain = rates or [one for one in _only(tables, request) if one.columns]
+    if len(plain) != 1 and not (plain and all(map(_is_single, plain))):
         raise RecordingError(_ambiguous(path, tables))
-    chosen = plain[0]
-    single = len(chosen.columns) == 1 and chosen.columns[0].isdecimal()
     return tuple(
-        _source(path, chosen.array or None, None if single else column) for column in chosen.columns
+        _source(path, one.array or None, None if _is_single(one) else column)
+        for one in plain
+        for column in one.columns
+    )
+
+
+def _is_single(table: Table) -> bool:
+    return len(table.columns) == 1 and table.columns[0].isdecimal()
+
+
+def _check_array(path: Path, wanted: str | None, held: tuple[Table, ...]) -> None:
+    names = [one.array for one in held]
+    if wanted is None or wanted in names:
+        return
+    if not any(names):
+        raise RecordingError(f"{path}: is one table, without arrays to choose from; leave --array out")
+    near = difflib.get_close_matches(wanted, names, n=1)
+    hint = f"; is '{near[0]}' meant?" if near else ""
+    raise RecordingError(
+        f"{path}: holds no numbers called '{wanted}', but {_listed(tuple(names))}{hint}"
     )
 
 
@@ -60,7 +83,7 @@ def time_like(path: Path, request: Request) -> str | None:
         tables = contents(path, skip_rows=request.skip_rows)
     except RecordingError:
         return None
-    names = [name for table in tables for name in (table.array, *table.columns) if _is_time(name)]
+    names = [name for table in tables for name in _time_names(table)]
     return names[0] if names else None
 
 
@@ -111,6 +134,17 @@ def _is_time(name: str) -> bool:
     return bool(_TIME.match(name.strip()))
 
 
+def _is_time_array(name: str) -> bool:
+    """Whether an array, in whatever groups, is called a time."""
+    return _is_time(name.rpartition("/")[2])
+
+
+def _time_names(table: Table) -> Iterator[str]:
+    if _is_time_array(table.array):
+        yield table.array
+    yield from filter(_is_time, table.columns)
+
+
 def _ambiguous(path: Path, tables: list[Table]) -> str:
     if not tables:
         return f"{path}: holds no column of numbers to analyse"
@@ -118,9 +152,11 @@ def _ambiguous(path: Path, tables: list[Table]) -> str:
         f"'{one.array}' with columns {_listed(one.columns)}" if one.array else _listed(one.columns)
         for one in tables[:10]
     )
+    if any(len(one.columns) > _MANY for one in tables):
+        held += " (do its samples lie side by side? then transpose it)"
     choose = "--array and --column" if len(tables) > 1 else "--column (more than once for several)"
     return f"{path}: which column is the rate cannot be told; it holds {held}; choose with {choose}"
 
 
 def _listed(names: tuple[str, ...]) -> str:
-    return ", ".join(names[:20]) + (", …" if len(names) > 20 else "")
+    return ", ".join(names[:20]) + (f", … {names[-1]}" if len(names) > 20 else "")

@@ -17,8 +17,8 @@ from gyrotest.recordings.layout import (
     BATCH_UTC,
     SEGMENT_KEY,
     SEGMENT_SUFFIX,
+    batch_of,
     checksum,
-    columns_of,
     recording_schema,
 )
 from gyrotest.recordings.segment import Segment, sync_folder
@@ -100,15 +100,12 @@ class Journal:
             self._segment = None
 
     def _write(self, columns: list[NDArray[np.generic]], outcome: str) -> None:
-        import pyarrow as pa
-
         if self._segment is None:
             raise OSError("no segment is open")
-        batch = pa.RecordBatch.from_arrays([pa.array(column) for column in columns], schema=self._schema)
         utc = self._utc().isoformat()
-        crc = checksum(columns_of(batch), self.rows, utc, outcome)
+        crc = checksum(columns, self.rows, utc, outcome)
         self._segment.append(
-            batch,
+            batch_of(columns, self._schema),
             {
                 BATCH_ROW: b"%d" % self.rows,
                 BATCH_UTC: utc.encode(),

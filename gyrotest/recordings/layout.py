@@ -57,6 +57,26 @@ def recording_schema(header: RecordingHeader, extra: Mapping[bytes, bytes]) -> "
     return pa.schema(fields, metadata=metadata)
 
 
+def batch_of(columns: Iterable[NDArray[Any]], schema: "pa.Schema") -> "pa.RecordBatch":
+    """The columns as a batch, without a copy.
+
+    `pa.array` and `to_numpy` load pandas on their first call, where that is installed: half a second,
+    for which the first sample of a recording would have to wait.
+    """
+    import pyarrow as pa
+
+    return pa.RecordBatch.from_arrays([_arrow(column) for column in columns], schema=schema)
+
+
+def _arrow(column: NDArray[Any]) -> "pa.Array":
+    import pyarrow as pa
+
+    data = pa.py_buffer(np.ascontiguousarray(column))
+    return pa.Array.from_buffers(
+        pa.from_numpy_dtype(column.dtype), len(column), [None, data], null_count=0
+    )
+
+
 def columns_of(batch: "pa.RecordBatch") -> list[NDArray[Any]]:
     """The columns of a batch as arrays, without a copy; raises `RecordingError` on a null."""
     if any(column.null_count for column in batch.columns):

@@ -226,6 +226,47 @@ class TestRefused:
         _, err = _said(capsys, folder / "rest.npy", *AT_10_HZ, expected=1)
         assert "the unit of its values is not known" in err
 
+    def test_what_hinders_every_column_is_told_once_and_all_of_it(
+        self, folder: Path, capsys: Capture
+    ) -> None:
+        _, err = _said(capsys, folder / "rest.csv", expected=1)
+        assert err.count("the unit of its values is not known") == 1
+        assert err.count("its sampling rate is not known") == 1
+
+    @pytest.mark.parametrize("column", ["t (ms)", "1"])
+    def test_milliseconds_are_not_taken_for_seconds(
+        self, tmp_path: Path, capsys: Capture, column: str
+    ) -> None:
+        path = tmp_path / "rest.csv"
+        table = np.column_stack([np.arange(600) * 100.0, rates(600)])
+        np.savetxt(path, table, delimiter=",", header="t (ms),gx", comments="")
+        options = ("--unit", "deg/s", "--time-column", column)
+        _, err = _said(capsys, path, *options, expected=1)
+        assert "its time column is called 't (ms)'; give --time-unit ms" in err
+        (found,) = _records(capsys, path, *options, "--time-unit", "ms")
+        assert found["interval_s"] == pytest.approx(0.1)
+
+    def test_two_columns_of_one_name_are_told_apart(self, tmp_path: Path, capsys: Capture) -> None:
+        path = tmp_path / "rest.csv"
+        table = np.column_stack([rates(600), 2.0 * rates(600, seed=2)])
+        np.savetxt(path, table, delimiter=",", header="gx,gx", comments="")
+        _, err = _said(capsys, path, *RATE, expected=1)
+        assert "columns 1, 2 are all called 'gx'; choose one by its number" in err
+        first, second = _records(capsys, path, *RATE, "--column", "1", "--column", "2")
+        assert first["mean_dps"] != second["mean_dps"]
+
+    def test_rows_that_no_filter_lets_pass_are_told(self, folder: Path, capsys: Capture) -> None:
+        _, err = _said(
+            capsys, folder / "rest.csv", *RATE, "--column", "gx", "--where", "gy=x", expected=1
+        )
+        assert "no row has gy=x; look at --where" in err
+
+    def test_a_record_without_noise_is_named(self, tmp_path: Path, capsys: Capture) -> None:
+        path = tmp_path / "rest.npy"
+        np.save(path, rates(600))
+        _, err = _said(capsys, path, *RATE, "--scale", "1e200", expected=1)
+        assert err.startswith(f"{path}: the samples depart from the first by ")
+
     def test_gaps_are_refused_unless_allowed(self, tmp_path: Path, capsys: Capture) -> None:
         time_s = np.arange(1000) / RATE_HZ
         time_s[300:] += 2.0
@@ -272,6 +313,9 @@ class TestRefused:
             ("--unit deg/s --rate '-10 Hz'", "--rate: '-10 Hz' must be more than 0"),
             ("--unit deg/s --time-unit sample", "'sample' needs --rate or --interval"),
             ("--unit deg/s --plot nowhere/a.pdf", "there is no folder nowhere"),
+            ("--unit deg/s --json one.x --csv ./one.x", "--csv: 'one.x' is --json's already"),
+            ("--unit deg/s --scale inf", "--scale: must be a finite number other than 0"),
+            ("--unit deg/s --rate '1e-300 Hz'", "--rate: one sample in 1e+300 s is no gyro's"),
         ],
     )
     def test_options_that_do_not_fit_are_wrong_usage(
@@ -295,6 +339,29 @@ class TestRefused:
 def _with_equals(options: list[str]) -> list[str]:
     """Join option and value: a value that begins with a minus is no option then."""
     return [f"{a}={b}" for a, b in zip(options[::2], options[1::2], strict=True)]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full device")
+@pytest.mark.parametrize("form", ["", "--json"])
+@pytest.mark.parametrize("output", ["1>/dev/full", "1>&-"])
+def test_standard_output_that_cannot_be_written_is_told(folder: Path, form: str, output: str) -> None:
+    command = shlex.join([sys.executable, "-m", "gyrotest", "analyse", str(folder / "rest.npy"), *RATE])
+    ended = subprocess.run(
+        ["sh", "-c", f"{command} {form} {output}"], capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == 1
+    assert ended.stderr.startswith("standard output")
+    assert len(ended.stderr.splitlines()) == 1
+
+
+def test_a_reader_that_has_had_enough_is_no_fault(folder: Path) -> None:
+    command = [sys.executable, "-m", "gyrotest", "analyse", str(folder / "rest.csv"), *RATE, "--json"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
+        assert running.stdout is not None
+        assert running.stderr is not None
+        running.stdout.close()
+        assert running.stderr.read() == b""
+    assert running.returncode == 0
 
 
 class TestProgress:

@@ -59,6 +59,11 @@ def find_column(wanted: str | int | None, names: Sequence[str], path: Path) -> i
             f"{path}: has no column {wanted}; its {len(names)} columns are {_listed(names)}"
         )
     stripped = [name.strip() for name in names]
+    if stripped.count(wanted) > 1:
+        places = ", ".join(str(at) for at, name in enumerate(stripped, start=1) if name == wanted)
+        raise RecordingError(
+            f"{path}: columns {places} are all called '{wanted}'; choose one by its number"
+        )
     if wanted in stripped:
         return stripped.index(wanted)
     raise RecordingError(

@@ -1,7 +1,9 @@
 """Which columns are analysed where none is named."""
 
+import re
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -91,3 +93,44 @@ def test_a_column_that_looks_like_time_is_offered(tmp_path: Path) -> None:
     assert time_like(_csv(tmp_path, "timestamp,gx"), Request()) == "timestamp"
     assert time_like(_csv(tmp_path, "gx,gy"), Request()) is None
     assert time_like(tmp_path / "none.csv", Request()) is None
+
+
+def test_arrays_called_rates_are_taken_together(tmp_path: Path) -> None:
+    np.savez(tmp_path / "rest.npz", t=np.zeros(5), gx=np.zeros(5), gy=np.zeros(5), acc=np.zeros((5, 3)))
+    found = sources_of(tmp_path / "rest.npz", Request())
+    assert [(one.array, one.column, one.name) for one in found] == [
+        ("gx", None, "gx"),
+        ("gy", None, "gy"),
+    ]
+
+
+def test_what_stands_beside_a_gyro_is_no_rate(tmp_path: Path) -> None:
+    header = "gyro_timestamp,gyro_status,gyro_scale,gyro_range,gyro_x"
+    (found,) = sources_of(_csv(tmp_path, header), Request())
+    assert found.column == "gyro_x"
+
+
+def test_a_time_in_a_group_is_offered_and_no_rate(tmp_path: Path) -> None:
+    path = tmp_path / "rest.h5"
+    with h5py.File(path, "w") as file:
+        file["log/time"], file["log/output"] = np.arange(5.0), np.zeros(5)
+    (found,) = sources_of(path, Request())
+    assert found.array == "log/output"
+    assert time_like(path, Request()) == "log/time"
+
+
+def test_an_array_that_is_not_there_is_named_beside_those_that_are(tmp_path: Path) -> None:
+    np.savez(tmp_path / "rest.npz", gyro_x=np.zeros(5), acc=np.zeros(5))
+    message = "holds no numbers called 'gyr_x', but gyro_x, acc; is 'gyro_x' meant?"
+    with pytest.raises(RecordingError, match=re.escape(message)):
+        sources_of(tmp_path / "rest.npz", Request(array="gyr_x"))
+    with pytest.raises(RecordingError, match="is one table, without arrays"):
+        sources_of(_csv(tmp_path, "gx"), Request(array="gyr_x"))
+
+
+def test_samples_side_by_side_are_suspected(tmp_path: Path) -> None:
+    np.save(tmp_path / "rest.npy", np.zeros((3, 4000)))
+    with pytest.raises(
+        RecordingError, match=r"20, … 4000 \(do its samples lie side by side\? then transpose"
+    ):
+        sources_of(tmp_path / "rest.npy", Request())
