@@ -64,12 +64,7 @@ def gyro_parameters(
     values, faults = _quantities(given, _GYRO, "simulation.gyro")
     scale_factor = output.scale_factor
     if output.kind is not OutputKind.VOLTAGE or scale_factor is None:
-        faults.append(
-            _fault(
-                "simulation",
-                "the simulated bench needs a spec with a voltage output and its scale_factor",
-            )
-        )
+        faults.append(_fault("simulation", _unfit(output)))
     if faults or scale_factor is None:
         raise StationError(faults)
     for name, factor in (factors or {}).items():
@@ -88,6 +83,16 @@ def gyro_parameters(
         warm_up_drift_dps=values["warm_up_drift"],
         warm_up_time_constant_s=values["warm_up_time_constant"],
         input_rate_dps=values["input_rate"],
+    )
+
+
+def _unfit(output: Output) -> str:
+    needs = "the simulated bench has a gyro with a voltage output and a scale factor"
+    if output.kind is OutputKind.VOLTAGE:
+        return f"{needs}; the spec has no 'output.scale_factor'"
+    return (
+        f"{needs}, the spec's output.kind is '{output.kind.value}'; name another station by --gyro-station:"
+        " one with this gyro's driver, or one that replays a recorded file (specs/stations/replay.yaml shows how)"
     )
 
 

@@ -294,3 +294,15 @@ def test_real_time_is_the_real_clock() -> None:
         before_s = bench.clock.now_s()
         bench.clock.sleep_until(before_s + 0.01)
         assert bench.clock.now_s() >= before_s + 0.01
+
+
+def test_a_gyro_that_puts_out_rates_is_sent_to_another_station() -> None:
+    with pytest.raises(
+        StationError, match=r"output\.kind is 'rate'; name another station by --gyro-sta.*replay"
+    ):
+        SimulatedBench(station(), Output(kind=OutputKind.RATE))
+
+
+def test_a_voltage_without_its_scale_factor_is_refused() -> None:
+    with pytest.raises(StationError, match=r"the spec has no 'output\.scale_factor'"):
+        SimulatedBench(station(), Output(kind=OutputKind.VOLTAGE))
