@@ -35,9 +35,9 @@ class Acquisition:
 
     def run(self) -> Recording:
         """Acquire the plan's samples; raises `AcquisitionError` or `InstrumentError`."""
-        self.progress.begin(self.header)
         writer = RecordingWriter(self.run_folder, self.header)
         try:
+            self.progress.begin(self.header)
             self._sample(writer)
             return writer.close(complete=True)
         finally:

@@ -1,6 +1,9 @@
 """An acquisition: what it bridges, what it gives up on, what it leaves behind."""
 
+import subprocess
+import sys
 from collections.abc import Callable
+from contextlib import nullcontext
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -14,6 +17,7 @@ from gyrotest.errors import (
     InstrumentError,
     InstrumentTimeoutError,
     OverloadError,
+    RecordingError,
 )
 from gyrotest.records.plan import Plan
 from gyrotest.records.recording import (
@@ -120,6 +124,27 @@ def _acquisition(folder: Path, clock: VirtualClock, bench: Bench) -> Acquisition
     )
 
 
+class Observing(Bench):
+    """A source that notes what is there when it starts and what is loaded until it ends."""
+
+    def __init__(self, clock: VirtualClock, folder: Path) -> None:
+        super().__init__(clock)
+        self.at_start: set[str] = set()
+        self.loaded_later: set[str] = set()
+        self.segments: list[str] = []
+        self._folder = folder
+
+    def start(self, first: int, count: int) -> None:
+        super().start(first, count)
+        self.segments = [path.name for path in self._folder.rglob("*.arrows")]
+        self.at_start = set(sys.modules)
+
+    def fetch(self) -> Block | None:
+        block = super().fetch()
+        self.loaded_later = set(sys.modules) - self.at_start
+        return block
+
+
 @pytest.fixture
 def clock() -> VirtualClock:
     return VirtualClock()
@@ -218,3 +243,50 @@ def test_whatever_ends_it_the_record_is_closed(tmp_path: Path, clock: VirtualClo
     assert acquisition.recording is not None
     assert acquisition.recording.samples == 30
     assert not acquisition.recording.complete
+
+
+class Counting(Silence):
+    def __init__(self) -> None:
+        self.begun = self.ended = 0
+
+    def begin(self, header: RecordingHeader) -> None:
+        self.begun += 1
+
+    def end(self) -> None:
+        self.ended += 1
+
+
+def test_nothing_is_left_on_the_screen_by_a_record_that_cannot_begin(
+    tmp_path: Path, clock: VirtualClock
+) -> None:
+    progress = Counting()
+    for refused in (False, True):
+        acquisition = _acquisition(tmp_path, clock, Bench(clock))
+        acquisition.progress = progress
+        with pytest.raises(RecordingError) if refused else nullcontext():
+            acquisition.run()
+    assert progress.begun == progress.ended == 1
+
+
+_FIRST_OF_A_PROCESS = """
+import sys
+from pathlib import Path
+from tests.unit.acquisition.test_acquire import Observing, _acquisition
+from gyrotest.simulation.clock import VirtualClock
+clock, folder = VirtualClock(), Path(sys.argv[1])
+bench = Observing(clock, folder)
+_acquisition(folder, clock, bench).run()
+print(bench.segments, sorted(bench.loaded_later))
+"""
+
+
+def test_no_sample_waits_for_something_to_be_loaded(tmp_path: Path) -> None:
+    """In a process of its own: in this one, other tests have loaded it all."""
+    ended = subprocess.run(
+        [sys.executable, "-c", _FIRST_OF_A_PROCESS, str(tmp_path)],
+        cwd=Path(__file__).parents[3],
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
+    )
+    assert ended.stdout.strip() == "['0000.arrows'] []"
