@@ -1,12 +1,25 @@
 """What an acquisition tells of itself while it runs."""
 
+from dataclasses import dataclass
 from typing import Protocol
 
-from gyrotest.records.recording import Block, RecordingHeader
+from gyrotest.records.recording import Block, Identity, RecordingHeader, Sampling
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Coming:
+    """What is known of an acquisition before it begins."""
+
+    sampling: Sampling
+    source: Identity
+    samples: int
 
 
 class Progress(Protocol):
-    """Whoever shows the progress: a terminal, or nobody."""
+    """Whoever shows the progress: a terminal, or nobody. `prepare` comes before each `begin`."""
+
+    def prepare(self, coming: Coming) -> None:
+        """Make ready for an acquisition, also what takes long: nothing waits for it yet."""
 
     def begin(self, header: RecordingHeader) -> None:
         """An acquisition begins."""
@@ -23,6 +36,9 @@ class Progress(Protocol):
 
 class Silence:
     """Shows nothing."""
+
+    def prepare(self, coming: Coming) -> None:
+        """Show nothing."""
 
     def begin(self, header: RecordingHeader) -> None:
         """Show nothing."""

@@ -3,6 +3,7 @@
 import time
 from typing import IO, TYPE_CHECKING
 
+from gyrotest.acquisition.progress import Coming
 from gyrotest.plugin.reading import Reading
 from gyrotest.records.recording import Block, RecordingHeader
 
@@ -28,13 +29,16 @@ class LineProgress:
         self._written = 0.0
         self._among_pytests = True
 
+    def prepare(self, coming: Coming) -> None:
+        """Load and compile what the lines will tell."""
+        self._allan = self._running_allan(coming)
+
     def begin(self, header: RecordingHeader) -> None:
         """An acquisition begins."""
         self._header = header
         self.note(
             f"{header.item}: {header.planned_samples} samples every {header.sampling.interval_s:g} s"
         )
-        self._allan = self._running_allan(header)
         self._written = time.monotonic()
 
     def push(self, block: Block) -> None:
@@ -62,15 +66,15 @@ class LineProgress:
         self._header = self._allan = None
         self._among_pytests = True
 
-    def _running_allan(self, header: RecordingHeader) -> "RunningAllan | None":
-        dps_per_unit = self._reading.dps_per(header.sampling.unit)
-        paced = self._real_time or not (header.source.simulated or header.source.replayed)
-        lasts_s = header.planned_samples * header.sampling.interval_s
+    def _running_allan(self, coming: Coming) -> "RunningAllan | None":
+        dps_per_unit = self._reading.dps_per(coming.sampling.unit)
+        paced = self._real_time or not (coming.source.simulated or coming.source.replayed)
+        lasts_s = coming.samples * coming.sampling.interval_s
         if dps_per_unit is None or not paced or lasts_s < LINE_EVERY_S:
             return None
         from gyrotest.plugin.running_allan import RunningAllan
 
-        return RunningAllan(header.sampling, dps_per_unit=dps_per_unit)
+        return RunningAllan(coming.sampling, dps_per_unit=dps_per_unit)
 
     def _lowest(self) -> str:
         if self._allan is None:

@@ -7,8 +7,9 @@ import time
 from collections import deque
 from typing import IO, TYPE_CHECKING
 
+from gyrotest.acquisition.progress import Coming
 from gyrotest.plugin.reading import Reading
-from gyrotest.records.recording import Block, RecordingHeader
+from gyrotest.records.recording import Block, RecordingHeader, Sampling
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -38,6 +39,13 @@ class LiveProgress:
         self._trace: deque[float] = deque(maxlen=_TRACE)
         self._last: Block | None = None
         self._drawn_s = 0.0
+        self._on_free_line = False
+
+    def prepare(self, coming: Coming) -> None:
+        """Load and compile what is drawn, and say so: the first time on a machine it takes long."""
+        self._stream.write("\n")
+        self._on_free_line = True
+        self._allan = self._running_allan(coming.sampling)
 
     def begin(self, header: RecordingHeader) -> None:
         """An acquisition begins."""
@@ -45,10 +53,10 @@ class LiveProgress:
         self._trace.clear()
         self._note = ""
         self._last = None
-        self._stream.write("\n")
-        self._allan = self._running_allan(header)
+        self._to_free_line()
+        self._on_free_line = False  # what is drawn now is there
         self._start()
-        self._draw()  # now, and not with the first sample: what draws is loaded here
+        self._draw()  # the axes, before the first sample comes
 
     def push(self, block: Block) -> None:
         """Take the reading; redraw a few times a second."""
@@ -65,7 +73,9 @@ class LiveProgress:
         """Show a remark, above the reading while an acquisition runs."""
         self._note = text
         if self._live is None:
-            self._console().print(f"\n{text}", markup=False, highlight=False, end="")
+            self._to_free_line()
+            self._console().print(text, markup=False, highlight=False, end="")
+            self._on_free_line = False
 
     def end(self) -> None:
         """The acquisition is over: draw all of it once more, and leave the screen to pytest."""
@@ -76,8 +86,14 @@ class LiveProgress:
             if live is not None:
                 live.stop()
 
-    def _running_allan(self, header: RecordingHeader) -> "RunningAllan | None":
-        dps_per_unit = self._reading.dps_per(header.sampling.unit)
+    def _to_free_line(self) -> None:
+        if not self._on_free_line:
+            self._stream.write("\n")
+            self._stream.flush()
+        self._on_free_line = True
+
+    def _running_allan(self, sampling: Sampling) -> "RunningAllan | None":
+        dps_per_unit = self._reading.dps_per(sampling.unit)
         if dps_per_unit is None:
             return None
         self._stream.write(f"{_PREPARING}"[: self._size().columns - 1])
@@ -85,7 +101,7 @@ class LiveProgress:
         try:
             from gyrotest.plugin.running_allan import RunningAllan
 
-            return RunningAllan(header.sampling, dps_per_unit=dps_per_unit)
+            return RunningAllan(sampling, dps_per_unit=dps_per_unit)
         finally:
             self._stream.write("\r\x1b[2K")
             self._stream.flush()

@@ -11,7 +11,7 @@ from typing import IO
 
 import pytest
 
-from gyrotest.acquisition.progress import Progress, Silence
+from gyrotest.acquisition.progress import Coming, Progress, Silence
 from gyrotest.plugin.line_progress import LineProgress
 from gyrotest.plugin.live_progress import LiveProgress
 from gyrotest.plugin.reading import Reading
@@ -44,6 +44,10 @@ class Harmless:
 
     def __init__(self, shown: Progress) -> None:
         self._shown = shown
+
+    def prepare(self, coming: Coming) -> None:
+        """Make ready for an acquisition."""
+        self._try(lambda: self._shown.prepare(coming))
 
     def begin(self, header: RecordingHeader) -> None:
         """An acquisition begins."""

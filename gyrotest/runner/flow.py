@@ -6,10 +6,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from gyrotest.acquisition.acquire import Acquisition
-from gyrotest.acquisition.progress import Progress
+from gyrotest.acquisition.progress import Coming, Progress
 from gyrotest.conformity import judge, line
 from gyrotest.errors import GyrotestError, InsufficientDataError
-from gyrotest.ports import Playback, Source
+from gyrotest.ports import Playback
 from gyrotest.recordings.reader import read_samples
 from gyrotest.records.plan import Context, Reduction
 from gyrotest.records.recording import Identity, Recording, RecordingHeader, Sampling
@@ -172,13 +172,15 @@ class UnitRun:
         attempt = replace(attempt, origin=origin_of(opened.use.identity), instruments=(opened.use,))
         try:
             sampling = opened.source.configure(self.planned_case(item).plan.interval_s)
-            self._make_ready(item, bench, opened.source)
+            self._make_ready(item, bench, opened, sampling)
             return self._record(item, attempt, bench, opened, sampling)
         except GyrotestError:
             bench.drop(opened)
             raise
 
-    def _make_ready(self, item: PlannedItem, bench: Bench, source: Source) -> None:
+    def _make_ready(
+        self, item: PlannedItem, bench: Bench, opened: OpenSource, sampling: Sampling
+    ) -> None:
         planned = self.planned_case(item)
         plan = planned.plan
         cycled = planned.case.between_repeats is Between.POWER_CYCLE and item.repeat != 1
@@ -186,14 +188,18 @@ class UnitRun:
             if self.header.station.station.simulation is None:
                 self.confirm(f"{item.name}: switch the unit off and on again")
             bench.power_was_cycled()
+        # What this takes passes while the unit warms up, and before the record is stamped.
+        self.progress.prepare(
+            Coming(sampling=sampling, source=opened.use.identity, samples=plan.samples)
+        )
         warm_at_s = bench.powered_on_s + plan.warm_up_s
-        if bench.clock.now_s() < warm_at_s and not isinstance(source, Playback):
+        if bench.clock.now_s() < warm_at_s and not isinstance(opened.source, Playback):
             self.progress.note(f"{item.name}: warming up until {planned.case.warm_up} after power-on")
             bench.clock.sleep_until(warm_at_s)
         starts = moment(self.header.spec.spec, item)
         bench.stage(self.header.slot, self.header.serial_number, item, moment=starts, plan=plan)
-        if isinstance(source, Playback):
-            source.cue(starts.acquired_s)
+        if isinstance(opened.source, Playback):
+            opened.source.cue(starts.acquired_s)
 
     def _record(
         self, item: PlannedItem, attempt: Attempt, bench: Bench, opened: OpenSource, sampling: Sampling

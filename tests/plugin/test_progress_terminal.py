@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gyrotest.acquisition.progress import Silence
+from gyrotest.acquisition.progress import Coming, Progress, Silence
 from gyrotest.analysis.allan import overlapping_allan_deviation
-from gyrotest.plugin import line_progress
+from gyrotest.plugin import line_progress, running_allan
 from gyrotest.plugin.line_progress import LineProgress
 from gyrotest.plugin.live_progress import LiveProgress
 from gyrotest.plugin.progress import Harmless, progress_for
@@ -64,11 +64,20 @@ def terminal(request: pytest.FixtureRequest) -> Iterator[Terminal]:
     opened.close()
 
 
+def coming(of: RecordingHeader) -> Coming:
+    return Coming(sampling=of.sampling, source=of.source, samples=of.planned_samples)
+
+
+def begin(progress: Progress, of: RecordingHeader) -> None:
+    progress.prepare(coming(of))
+    progress.begin(of)
+
+
 def shown(
     terminal: Terminal, record: list[Block], *, output: Output = VOLTAGE, unit: str = "V"
 ) -> list[str]:
     live = LiveProgress(terminal.stream, Reading(output))
-    live.begin(header(unit=unit))
+    begin(live, header(unit=unit))
     for one in record:
         live.push(one)
     live.end()
@@ -130,7 +139,7 @@ def test_the_plot_is_left_out_where_there_is_no_room(columns: int, lines: int, t
 
 def test_a_resized_terminal_is_drawn_anew_in_its_size(terminal: Terminal) -> None:
     live = LiveProgress(terminal.stream, Reading(VOLTAGE))
-    live.begin(header())
+    begin(live, header())
     record = list(blocks())
     for one in record[:50]:
         live.push(one)
@@ -141,6 +150,23 @@ def test_a_resized_terminal_is_drawn_anew_in_its_size(terminal: Terminal) -> Non
     last = last_drawn(frames(terminal.close())).splitlines()
     assert len(last) <= 16
     assert max(map(len, last)) <= 50
+
+
+def test_what_takes_long_is_prepared_above_the_warm_up(
+    terminal: Terminal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    live, of = LiveProgress(terminal.stream, Reading(VOLTAGE)), header()
+    live.prepare(coming(of))
+    monkeypatch.setattr(running_allan, "RunningAllan", None)  # nothing more is made from here on
+    live.note("warming up until 1 min after power-on")
+    live.begin(of)
+    for one in blocks():
+        live.push(one)
+    live.end()
+    found = frames(terminal.close())
+    assert found[0].startswith("\npreparing the running Allan deviation")
+    assert found[1].startswith("warming up until 1 min after power-on\n")
+    assert "Allan deviation so far" in last_drawn(found)
 
 
 def test_an_output_that_is_no_rate_has_no_curve(terminal: Terminal) -> None:
@@ -171,7 +197,7 @@ def logged(monkeypatch: pytest.MonkeyPatch, *, source: str = "MY1234", real_time
     monkeypatch.setattr(line_progress, "LINE_EVERY_S", 0.0)
     opened = Terminal(columns=80, lines=24)
     lines = LineProgress(opened.stream, Reading(VOLTAGE), real_time=real_time)
-    lines.begin(header(source=source))
+    begin(lines, header(source=source))
     for one in blocks():
         lines.push(one)
     lines.end()
@@ -202,6 +228,9 @@ class Broken:
         if name == self._at:
             raise OSError(5, "the terminal is gone")
 
+    def prepare(self, coming: Coming) -> None:
+        self._step("prepare")
+
     def begin(self, header: RecordingHeader) -> None:
         self._step("begin")
 
@@ -216,14 +245,14 @@ class Broken:
         self._step("end")
 
 
-@pytest.mark.parametrize("at", ["begin", "push", "note", "end"])
+@pytest.mark.parametrize("at", ["prepare", "begin", "push", "note", "end"])
 def test_a_fault_of_the_display_reaches_nobody_and_is_logged_once(
     at: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     broken = Broken(at)
     progress = Harmless(broken)
     for _ in range(2):
-        progress.begin(header())
+        begin(progress, header())
         for one in blocks(30):
             progress.push(one)
         progress.note("warming up")
