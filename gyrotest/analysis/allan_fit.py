@@ -28,7 +28,7 @@ class AllanFit:
 
     `response` (k, f), `spectra` (f, 4) and `widths_hz` (f,) make the covariance, over `overlap_s`
     (k, k) of record; `momentary` (k, 2) is by how much flicker noise and a random walk show larger
-    where a sample is a momentary value and no mean; `lines` (k, k) is the lines' share of the covariance.
+    where a sample is a momentary value and no mean; `besides` (k, k) is what adds to the covariance.
     """
 
     factors: NDArray[np.int64]
@@ -39,7 +39,7 @@ class AllanFit:
     widths_hz: NDArray[np.float64]
     overlap_s: NDArray[np.float64]
     momentary: NDArray[np.float64]
-    lines: NDArray[np.float64]
+    besides: NDArray[np.float64]
     samples: int
     grid: Grid
 
@@ -58,12 +58,34 @@ class AllanFit:
             response=self.response[first:],
             overlap_s=self.overlap_s[first:, first:],
             momentary=self.momentary[first:],
-            lines=self.lines[first:, first:],
+            besides=self.besides[first:, first:],
         )
 
     def less(self, variances: NDArray[np.float64]) -> "AllanFit":
         """Take out what is no noise."""
         return replace(self, variances=self.variances - variances)
+
+    def less_lines(self, lines: tuple[Excess, ...]) -> "AllanFit":
+        """Take out the lines' share, and remember how well it is known."""
+        if not lines:
+            return self
+        added = np.column_stack([one.allan_variances(self.factors, self.grid) for one in lines])
+        doubt = added * [one.standard_uncertainty / float(one.power.sum()) for one in lines]
+        return replace(
+            self,
+            variances=self.variances - added.sum(axis=1),
+            besides=self.besides + doubt @ doubt.T,
+        )
+
+    def with_tails(self, fourth_cumulant: float) -> "AllanFit":
+        """Allow for white noise whose distribution has heavier tails than the normal one.
+
+        A sample's square counts 1/(m·n) in the Allan variance of m samples, so that a fourth cumulant κ₄
+        adds κ₄/(m·m'·n) to the covariance of two.
+        """
+        share = self.factors**-1.0
+        tails = max(fourth_cumulant, 0.0) / self.samples * np.outer(share, share)
+        return replace(self, besides=self.besides + tails)
 
     def covariance(self, squares: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the variances' covariance (k, k) under a model: 1/T_ij ∫ S² H_i H_j df, and what is not known.
@@ -79,7 +101,7 @@ class AllanFit:
             piece = slice(begin, begin + _PIECE)
             products += weighted[:, piece] @ self.response[:, piece].T
         unknown = self.momentary * (squares[[_BIAS, _WALK]] / _ROOT_3)
-        covariance: NDArray[np.float64] = products / self.overlap_s + unknown @ unknown.T + self.lines
+        covariance: NDArray[np.float64] = products / self.overlap_s + unknown @ unknown.T + self.besides
         return covariance
 
     def precision(self, squares: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -105,7 +127,6 @@ def allan_fit(
     variances: NDArray[np.float64],
     samples: int,
     grid: Grid,
-    lines: tuple[Excess, ...],
 ) -> AllanFit:
     """Return the fit's data of a record of so many samples."""
     p = grid.interval_s
@@ -114,15 +135,10 @@ def allan_fit(
     frequency_hz = np.sqrt(edges[1:] * edges[:-1])
     widths_hz = np.diff(edges)
     response = allan_response(frequency_hz, factors, grid)
-    added = np.zeros((factors.size, len(lines)))
-    doubt = np.zeros((factors.size, len(lines)))
-    for place, line in enumerate(lines):
-        added[:, place] = line.allan_variances(factors, grid)
-        doubt[:, place] = added[:, place] * (line.standard_uncertainty / float(line.power.sum()))
     tau_s = factors * p
     return AllanFit(
         factors=factors,
-        variances=variances - added.sum(axis=1),
+        variances=variances,
         columns=allan_columns(factors, grid)[:, :4],
         response=response,
         spectra=spectrum_columns(frequency_hz, grid)[:, :4],
@@ -134,7 +150,7 @@ def allan_fit(
                 momentary_walk_excess(factors, grid),
             )
         ),
-        lines=doubt @ doubt.T,
+        besides=np.zeros((factors.size, factors.size)),
         samples=samples,
         grid=grid,
     )

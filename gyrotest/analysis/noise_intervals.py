@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gyrotest.analysis.drift import Course
 from gyrotest.analysis.interval import NORMAL_95
@@ -16,7 +17,10 @@ from gyrotest.analysis.profile import (
     upper_bound,
 )
 
-_WALK = 3
+_ANGLE_WALK, _BIAS, _WALK = 1, 2, 3
+_OTHERS = (0, 2, 3)
+_PLAIN = (ONE_SIGMA_DEVIANCE, NORMAL_95_DEVIANCE)
+_IDLE = (1.4, 5.0)  # by simulation: quantiles of the deviance of white noise alone
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,8 +95,18 @@ class Profiles:
     widening: float
     ambiguity: float
 
-    def coefficient(self, which: int, sigma: float) -> Bounds:
-        """Return the bounds of a squared coefficient whose standard uncertainty is about `sigma`."""
+    def coefficients(self, sigmas: NDArray[np.float64]) -> list[Bounds]:
+        """Return the bounds of all squared coefficients, given about their standard uncertainties (4,).
+
+        Flicker noise that is not there, and cannot be negative, pulls at the angle random walk: where
+        it is not resolved the walk's deviance reaches further by chance than chi-square.
+        """
+        found = {which: self._coefficient(which, sigmas[which], _PLAIN) for which in _OTHERS}
+        levels = _PLAIN if found[_BIAS].lower_95 > 0.0 else _IDLE
+        found[_ANGLE_WALK] = self._coefficient(_ANGLE_WALK, sigmas[_ANGLE_WALK], levels)
+        return [found[which] for which in range(TERMS)]
+
+    def _coefficient(self, which: int, sigma: float, levels: tuple[float, float]) -> Bounds:
         value = float(self.solution.state.squares[which])
         if value < 0.0:
             return _none_found(sigma)
@@ -101,11 +115,10 @@ class Profiles:
             0.0
             if which == _WALK and self.ambiguity <= deviance * self.widening
             else lower_bound(excess, value=value, sigma=sigma, deviance=deviance)
-            for deviance in (ONE_SIGMA_DEVIANCE, NORMAL_95_DEVIANCE)
+            for deviance in levels
         )
         upper_68, upper_95 = (
-            upper_bound(excess, value=value, sigma=sigma, deviance=deviance)
-            for deviance in (ONE_SIGMA_DEVIANCE, NORMAL_95_DEVIANCE)
+            upper_bound(excess, value=value, sigma=sigma, deviance=deviance) for deviance in levels
         )
         stated = float(self.values.state.squares[which])
         return Bounds(

@@ -52,6 +52,8 @@ TRUTHS = {
     "STIM210": Truth(noise=STIM210),
     "ADIS16375": Truth(noise=ADIS16375),
     "analogue": Truth(noise=ANALOGUE),
+    "white noise alone": Truth(noise={"angle_random_walk": 9.0}),
+    "white noise and a walk": Truth(noise={"angle_random_walk": 9.0, "rate_random_walk": 0.05}),
     "STIM210, Q = 9": Truth(noise=STIM210 | {"quantization_noise": 9.0}),
     "STIM210, Q = 1": Truth(noise=STIM210 | {"quantization_noise": 1.0}),
     "ADIS16375, Q = 20, R = 0.002": Truth(

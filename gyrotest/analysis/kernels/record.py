@@ -32,6 +32,26 @@ def scan(rate: Floats, found: FloatsOut) -> None:
     found[0] = size
 
 
+@compiled_sums
+def difference_powers(rate: Floats, every: int, found: FloatsOut) -> None:
+    """Sum up powers of a record's first differences, of one block out of `every` few.
+
+    `found` becomes the number of differences and the sums of their second and fourth powers.
+    """
+    found[:] = 0.0
+    early, late = rate[:-1], rate[1:]
+    for start in range(0, late.size, every * _BLOCK):
+        stop = min(start + _BLOCK, late.size)
+        second, fourth = 0.0, 0.0
+        for k in range(start, stop):
+            square = (late[k] - early[k]) ** 2
+            second += square
+            fourth += square * square
+        found[0] += stop - start
+        found[1] += second
+        found[2] += fourth
+
+
 @compiled
 def running_sum(rate: Floats, sums: Floats, mean: float, angle: FloatsOut) -> None:
     """Fill in the angle, shape (n + 1,): of the rate less its mean; `sums` are each part's."""
