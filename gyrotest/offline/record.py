@@ -12,6 +12,7 @@ from gyrotest.analysis.continuity import stuck_stretch
 from gyrotest.analysis.noise import SHORTEST_RECORD
 from gyrotest.analysis.resolution import digital_step
 from gyrotest.errors import GyrotestError, InsufficientDataError, RecordingError
+from gyrotest.offline.leaps import largest_leap
 from gyrotest.offline.reading import Column, Watch, read_column
 from gyrotest.offline.request import Request
 from gyrotest.offline.sources import Source, time_like
@@ -208,7 +209,19 @@ def _checked(values: NDArray[np.float64], first_row: int, unit: str) -> tuple[st
         )
     step = digital_step(values)
     complaint = "" if step is None else rounding_complaint(values, step, unit)
-    return (f"The gyro's noise is {complaint}.",) if complaint else ()
+    rounding = (f"The gyro's noise is {complaint}.",) if complaint else ()
+    return (*rounding, *_leaps(values, first_row, unit))
+
+
+def _leaps(values: NDArray[np.float64], first_row: int, unit: str) -> tuple[str, ...]:
+    leap = largest_leap(values)
+    if leap is None:
+        return ()
+    return (
+        f"At row {first_row + leap.at + 1} the record leaps by {leap.size:.3g} {printed_unit(unit)},"
+        f" {leap.times_usual:.3g} times the usual step: a spike, a fault or a motion is not noise, and all"
+        " values hold it; leave it out by --window.",
+    )
 
 
 def _refuse_not_finite(values: NDArray[np.float64], first_row: int) -> None:

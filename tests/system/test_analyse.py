@@ -261,6 +261,13 @@ class TestRefused:
         )
         assert "no row has gy=x; look at --where" in err
 
+    def test_a_spike_is_told(self, tmp_path: Path, capsys: Capture) -> None:
+        path, record = tmp_path / "rest.npy", rates(2000)
+        record[1000] += 50.0
+        np.save(path, record)
+        (found,) = _records(capsys, path, *RATE)
+        assert "At row 1001 the record leaps by 50 °/s" in " ".join(found["remarks"])
+
     def test_a_record_without_noise_is_named(self, tmp_path: Path, capsys: Capture) -> None:
         path = tmp_path / "rest.npy"
         np.save(path, rates(600))
