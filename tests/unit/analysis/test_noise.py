@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.signal import butter, lfilter
 
 from gyrotest.analysis.allan import overlapping_allan_deviation
-from gyrotest.analysis.noise import NoiseModel, fitted_factors, identify_noise
+from gyrotest.analysis.noise import NoiseModel, fitted_factors, fourth_cumulant, identify_noise
 from gyrotest.errors import InsufficientDataError
 from tests.unit.analysis.generator import DPH, gyro_noise
 
@@ -315,3 +315,28 @@ def test_a_sample_rate_that_is_none_is_refused(sample_rate_hz: float) -> None:
 def test_a_duty_that_is_none_is_refused(duty: float) -> None:
     with pytest.raises(ValueError, match="a duty is above 0 and at most 1"):
         identify_noise(gyro_noise(100, angle_random_walk=1.0), sample_rate_hz=1.0, duty=duty)
+
+
+@pytest.mark.parametrize("kind", ["laplace", "student"])
+def test_heavy_tails_are_in_the_interval_of_the_angle_random_walk(kind: str) -> None:
+    held = 0
+    for seed in range(60):
+        random = np.random.default_rng(seed)
+        white = random.laplace(size=7200) if kind == "laplace" else random.standard_t(4, size=7200)
+        rate = white / np.sqrt(2.0) + gyro_noise(7200, bias_instability=0.05, seed=1000 + seed)
+        walk = identify_noise(rate, sample_rate_hz=1.0).angle_random_walk
+        held += walk.lower_95 <= 1.0 <= walk.upper_95
+    assert held >= 50
+
+
+def test_the_fourth_cumulant_is_that_of_the_samples() -> None:
+    random = np.random.default_rng(4)
+    assert fourth_cumulant(random.laplace(size=400_000)) == pytest.approx(12.0, rel=0.1)
+    assert fourth_cumulant(random.random(400_000)) == pytest.approx(-1.0 / 120.0, rel=0.05)
+    assert abs(fourth_cumulant(random.standard_normal(400_000))) < 0.05
+
+
+def test_white_noise_alone_is_held_by_its_interval() -> None:
+    models = [identified(seed, samples=7200, angle_random_walk=1.0) for seed in range(80)]
+    held = [one.angle_random_walk.lower_95 <= 1.0 <= one.angle_random_walk.upper_95 for one in models]
+    assert sum(held) >= 72
