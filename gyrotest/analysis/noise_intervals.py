@@ -101,9 +101,10 @@ class Profiles:
         Flicker noise that is not there, and cannot be negative, pulls at the angle random walk: where
         it is not resolved the walk's deviance reaches further by chance than chi-square.
         """
-        found = {which: self._coefficient(which, sigmas[which], _PLAIN) for which in _OTHERS}
+        about: list[float] = sigmas.tolist()
+        found = {which: self._coefficient(which, about[which], _PLAIN) for which in _OTHERS}
         levels = _PLAIN if found[_BIAS].lower_95 > 0.0 else _IDLE
-        found[_ANGLE_WALK] = self._coefficient(_ANGLE_WALK, sigmas[_ANGLE_WALK], levels)
+        found[_ANGLE_WALK] = self._coefficient(_ANGLE_WALK, about[_ANGLE_WALK], levels)
         return [found[which] for which in range(TERMS)]
 
     def _coefficient(self, which: int, sigma: float, levels: tuple[float, float]) -> Bounds:
