@@ -18,6 +18,7 @@ from gyrotest.offline.request import Request
 from gyrotest.offline.sources import Source, time_like
 from gyrotest.offline.uniform import Uniform, uniform_by_row, uniform_by_time
 from gyrotest.procedures.static.soundness import rounding_complaint
+from gyrotest.procedures.static.wording import plain
 from gyrotest.recordings.formats.contents import contents
 from gyrotest.recordings.formats.detect import Format, detect
 from gyrotest.recordings.formats.selection import Selection
@@ -218,8 +219,8 @@ def _leaps(values: NDArray[np.float64], first_row: int, unit: str) -> tuple[str,
     if leap is None:
         return ()
     return (
-        f"At row {first_row + leap.at + 1} the record leaps by {leap.size:.3g} {printed_unit(unit)},"
-        f" {leap.times_usual:.3g} times the usual step: a spike, a fault or a motion is not noise, and all"
+        f"At row {first_row + leap.at + 1} the record leaps by {plain(leap.size, 3)} {printed_unit(unit)},"
+        f" {plain(leap.times_usual, 2)} times the usual step: a spike, a fault or a motion is not noise, and all"
         " values hold it; leave it out by --window.",
     )
 
