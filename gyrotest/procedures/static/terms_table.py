@@ -116,7 +116,7 @@ def _probability(probability: float) -> str:
 
 def _sentences(model: NoiseModel) -> Iterator[str]:
     yield (
-        "Carries τ: where the term is at least a third of the fitted variance. ≤: one-sided 95 % limit."
+        "Carries τ: where the term is at least a third of the fitted variance. ≤: upper end of the 95 % interval."
         " Probability: of a fit worse than this by chance."
     )
     if model.fit_probability < _UNLIKELY:
