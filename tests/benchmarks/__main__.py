@@ -1,6 +1,20 @@
 """All benchmarks, one after another."""
 
-from tests.benchmarks import bench_allan, bench_analyse, bench_inert, bench_main_job, bench_reading_rate
+from tests.benchmarks import (
+    bench_allan,
+    bench_analyse,
+    bench_identification,
+    bench_inert,
+    bench_main_job,
+    bench_reading_rate,
+)
 
-for benchmark in (bench_inert, bench_reading_rate, bench_main_job, bench_allan, bench_analyse):
+for benchmark in (
+    bench_inert,
+    bench_reading_rate,
+    bench_main_job,
+    bench_allan,
+    bench_analyse,
+    bench_identification,
+):
     benchmark.main()

@@ -84,16 +84,23 @@ class Found:
 
 def main(names: tuple[str, ...] = tuple(TRUTHS)) -> None:
     """Print a Markdown table, a row a term of each truth."""
-    print(__doc__)
-    print("| truth | term | bias | RMSE | within 95 % | within 68 % | resolved |")
-    print("|---|---|---|---|---|---|---|")
+    _say(__doc__ or "")
+    _say("| truth | term | bias | RMSE | within 95 % | within 68 % | resolved |")
+    _say("|---|---|---|---|---|---|---|")
     seconds: list[float] = []
     with multiprocessing.Pool(2) as pool:
         for name in names:
             found = pool.starmap(identified, [(name, seed) for seed in range(RECORDS)], chunksize=5)
             seconds += [one.seconds for one in found]
             report(name, TRUTHS[name], found)
-    print(f"\nidentify_noise with curve and lines at hand: median {1e3 * statistics.median(seconds):.0f} ms")
+    _say(
+        f"\nidentify_noise with curve and lines at hand: median {1e3 * statistics.median(seconds):.0f} ms"
+    )
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(f"{text}\n")
+    sys.stdout.flush()
 
 
 def identified(name: str, seed: int) -> Found:
@@ -148,7 +155,7 @@ def report(name: str, truth: Truth, found: list[Found]) -> None:
         rmse = "" if value == 0.0 else f"{100 * np.sqrt(np.mean((guess / value - 1) ** 2)):.2f} %"
         within_95 = np.mean((lower_95 <= value) & (value <= upper_95))
         within_68 = np.mean((lower_68 <= value) & (value <= upper_68))
-        print(
+        _say(
             f"| {name} | {letter} = {value:g} | {error} | {rmse} | {100 * within_95:.1f} %"
             f" | {100 * within_68:.1f} % | {100 * resolved.mean():.1f} % |"
         )
@@ -156,8 +163,7 @@ def report(name: str, truth: Truth, found: list[Found]) -> None:
     counts = ", ".join(f"{one} {sum(each.drift == one for each in found)}" for one in drifts)
     lines = statistics.mean(one.lines for one in found)
     late = sum(one.first_tau_s > 1.0 / truth.sample_rate_hz * 1.01 for one in found)
-    print(f"| | drift: {counts}; lines: {lines:.2f} a record; short times left out: {late} | | | | | |")
-    sys.stdout.flush()
+    _say(f"| | drift: {counts}; lines: {lines:.2f} a record; short times left out: {late} | | | | | |")
 
 
 if __name__ == "__main__":
