@@ -44,7 +44,7 @@ def read_text(path: Path, selection: Selection) -> Iterator[Part]:
         ),
     )
     done = 0
-    if is_clean(head):
+    if is_clean(path, head):
         fast = FastText(path, head, columns.value, columns.time, columns.where)
         yield from fast.parts()
         if fast.finished:
@@ -71,16 +71,31 @@ def _slow(path: Path, head: TextHead, columns: TextColumns, done: int) -> Iterat
 
 
 def _lines(path: Path, head: TextHead) -> Iterator[tuple[int, list[str]]]:
+    begun, blank = False, 0
     with path.open(encoding=head.encoding, errors="replace") as stream:
         for number, line in enumerate(stream, start=1):
-            if number < head.data_line or not (text := line.strip(" \r\n")) or text.startswith(COMMENT):
+            if number < head.data_line:
                 continue
-            cells = head.cells(line.rstrip("\r\n"))
-            if len(cells) != len(head.names):
-                raise RecordingError(
-                    f"{path}:{number}: has {len(cells)} cells where the other rows have {len(head.names)}"
-                )
-            yield number, cells
+            text = line.strip(" \r\n")
+            if not text:
+                blank = blank or number
+            elif not text.startswith(COMMENT):
+                if begun and blank:
+                    raise RecordingError(
+                        f"{path}:{blank}: is blank, between rows of numbers; remove the line, or put a row of"
+                        " 'nan' there if a sample is missing"
+                    )
+                yield number, _cells(line, path, number, head)
+                begun, blank = True, 0
+
+
+def _cells(line: str, path: Path, number: int, head: TextHead) -> list[str]:
+    cells = head.cells(line.rstrip("\r\n"))
+    if len(cells) != len(head.names):
+        raise RecordingError(
+            f"{path}:{number}: has {len(cells)} cells where the other rows have {len(head.names)}"
+        )
+    return cells
 
 
 def _number(cells: list[str], at: int, path: Path, line: int, head: TextHead) -> float:

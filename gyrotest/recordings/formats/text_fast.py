@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.recordings.formats.selection import Part
+from gyrotest.recordings.formats.text_blank import blank_between_rows
 from gyrotest.recordings.formats.text_head import MISSING, TextHead
 
 _BLOCK_BYTES = 1 << 21
@@ -18,9 +19,13 @@ _NULLS = sorted(
 _NONE = "\x1f"
 
 
-def is_clean(head: TextHead) -> bool:
-    """Whether pyarrow can be asked: no UTF-16, and one separator between cells."""
-    return head.encoding != "utf-16" and (head.separator is not None or len(head.names) == 1)
+def is_clean(path: Path, head: TextHead) -> bool:
+    """Whether pyarrow can be asked: no UTF-16, one separator between cells, no blank line it would skip."""
+    return (
+        head.encoding != "utf-16"
+        and (head.separator is not None or len(head.names) == 1)
+        and not blank_between_rows(path, data_line=head.data_line, block_bytes=_BLOCK_BYTES)
+    )
 
 
 class FastText:

@@ -98,6 +98,9 @@ def _with_names(
     begin = shape.data_line
     for number, line in enumerate(lines[shape.data_line - 1 :], start=shape.data_line):
         if not line.strip():
+            # Blank lines before the first row are none between rows.
+            if begin == number:
+                begin += 1
             continue
         is_comment = line.lstrip().startswith(COMMENT)
         cells = shape.cells(line.lstrip().lstrip("%#") if is_comment else line)

@@ -107,7 +107,10 @@ def test_a_binary_file_gives_its_rows_whatever_its_name(tmp_path, write, suffix,
 
 TEXTS = {
     "one value a line": ("1.25\n-2.5\n3.0\n4e-3\n", {}),
-    "comments and blank lines": ("% gyro\n# V\n\n1.25\n-2.5\n\n% pause\n3.0\n4e-3\n", {}),
+    "comments and blank lines": ("% gyro\n# V\n\n1.25\n-2.5\n% pause\n3.0\n4e-3\n\n% end\n\n", {}),
+    "blank lines about the numbers": ("\n\n1.25\n-2.5\n3.0\n4e-3\n\n  \n", {}),
+    "blank lines under the names": ("t,gz\n\n \n0,1.25\n0.5,-2.5\n1,3\n1.5,0.004\n\n", {"column": "gz"}),
+    "a blank line, a comment, numbers": ("gz\n\n# V\n\n1.25\n-2.5\n3\n.004\n", {"column": "gz"}),
     "a name above": ("Rate in dps\r\n1.25\r\n-2.5\r\n3.0\r\n4e-3\r\n", {}),
     "columns by white space": ("0 1.25\n 0.5   -2.5\n1 3.0\n1.5 4e-3", {"column": 2, "time_column": 1}),
     "csv with header lines": (
@@ -161,7 +164,7 @@ def test_missing_cells_are_not_numbers(tmp_path):
         ("t,gz\n0,abc\n1,1\n2,1\n", r"data\.csv:2: column 'gz': 'abc' is no number"),
         ("t,gz\n0,1\n1,1_000\n2,1\n", r"data\.csv:3: column 'gz': '1_000' is no number"),
         ("t,gz\n0,1\n1,0x10\n", r"data\.csv:3: column 'gz': '0x10' is no number"),
-        ("t,gz\n0,1\n\n# note\n1\n2,2\n", r"data\.csv:5: has 1 cells where the other rows have 2"),
+        ("t,gz\n0,1\n# note\n1\n2,2\n", r"data\.csv:4: has 1 cells where the other rows have 2"),
         ("t,gz\n0,1\n1,2,3\n2,2\n", r"data\.csv:3: has 3 cells where the other rows have 2"),
         ("t,gyro_z\n0,1\n", r"has no column 'gz'; its columns are t, gyro_z"),
         ("t,gzz\n0,1\n", r"has no column 'gz'; its columns are t, gzz; is 'gzz' meant\?"),
@@ -175,6 +178,37 @@ def test_a_fault_in_a_text_file_is_told_with_its_place(tmp_path, text, fault):
     path.write_text(text)
     with pytest.raises(RecordingError, match=fault):
         rows(path, column="gz")
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+@pytest.mark.parametrize("blank", ["", "  "])
+@pytest.mark.parametrize(
+    ("lines", "column"),
+    [
+        (["t,gz", "0,1", "1,2", "2,3", "", "3,4", "", "4,5"], "gz"),
+        (["gz", "1", "2", "3", "", "4"], "gz"),
+        (["", "1", "2", "3", "", "# a pause", "", "4", ""], None),
+        (["0 1", "1 2", "", "", "", "2 3"], 2),
+        (["1", "2", "3", "4", "", "nan"], None),
+    ],
+)
+def test_a_blank_line_between_numbers_is_told_and_never_skipped(tmp_path, lines, column, blank, end):
+    path = tmp_path / "data.csv"
+    path.write_bytes(end.join(line or blank for line in lines).encode())
+    place = 3 if column == 2 else 5
+    with pytest.raises(RecordingError, match=rf"data\.csv:{place}: is blank, between rows of numbers"):
+        rows(path, column=column)
+
+
+@pytest.mark.parametrize("blanks", [1, 3000])
+def test_a_blank_line_far_down_is_found_wherever_blocks_end(tmp_path, monkeypatch, blanks):
+    path = tmp_path / "data.csv"
+    lines = [*(str(row) for row in range(2000)), *[""] * blanks, "2000"]
+    path.write_text("\n".join(lines))
+    for size in (1000, 1001, 1 << 12):
+        monkeypatch.setattr(text_fast, "_BLOCK_BYTES", size)
+        with pytest.raises(RecordingError, match=r"data\.csv:2001: is blank"):
+            rows(path)
 
 
 def test_a_fault_far_down_is_found_in_the_line_where_it_is(tmp_path, monkeypatch):
