@@ -87,7 +87,9 @@ def read_head(path: Path, *, skip_rows: int, wanted: Sequence[str | int | None])
         names=("",) * width,
         data_line=skip_rows + 1,
     )
-    return _with_names(shape, lines, typical, wanted, path)
+    head = _with_names(shape, lines, typical, wanted, path)
+    _refuse_decimal_commas(head, lines, skip_rows, [row for row in rows if len(row) == width], path)
+    return head
 
 
 def _with_names(
@@ -119,6 +121,32 @@ def _with_names(
         names=_chosen(named, wanted, len(shape.names)),
         data_line=begin,
     )
+
+
+def _refuse_decimal_commas(
+    head: TextHead, lines: list[str], skip_rows: int, rows: list[list[str]], path: Path
+) -> None:
+    """Refuse half as many names as columns where each two cells read as one number: `gz` over `0,53`."""
+    above = [
+        number
+        for number in range(skip_rows + 1, head.data_line)
+        if lines[number - 1].strip() and not lines[number - 1].lstrip().startswith(COMMENT)
+    ]
+    if head.separator != "," or not above:
+        return
+    names = split(lines[above[-1] - 1], head.separator)
+    is_half = 2 * len(names) == len(head.names) and all(head.number(name) is None for name in names)
+    if is_half and all(
+        _is_decimal_comma(f"{row[at].strip()},{row[at + 1]}")
+        for row in rows
+        for at in range(0, len(row), 2)
+    ):
+        raise RecordingError(
+            f"{path}:{above[-1]}: names {len(names)} column{'s' * (len(names) > 1)} where the rows have"
+            f" {len(head.names)}: {rows[-1][0].strip()},{rows[-1][1].strip()} looks like one number with a decimal"
+            " comma; write decimal points, or ';' between columns; if they are whole numbers, name every column"
+            " or leave this line out with 'skip_rows'"
+        )
 
 
 def _chosen(named: list[list[str]], wanted: Sequence[str | int | None], width: int) -> tuple[str, ...]:

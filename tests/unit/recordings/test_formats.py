@@ -180,6 +180,28 @@ def test_a_fault_in_a_text_file_is_told_with_its_place(tmp_path, text, fault):
         rows(path, column="gz")
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["gz\n0,53\n0,61\n-1,2\n", "# V\n\ngz\n\n0,53\n12\n-0,61e-3\n0,5\n", "t,gz\n0,0,1,25\n0,5,-2,5\n"],
+)
+def test_numbers_with_a_decimal_comma_are_not_taken_for_two_columns(tmp_path, text):
+    path = tmp_path / "data.csv"
+    path.write_text(text)
+    line = text.splitlines().index(next(one for one in text.splitlines() if "gz" in one)) + 1
+    with pytest.raises(RecordingError, match=rf"data\.csv:{line}: names .* decimal comma"):
+        rows(path, column=2)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["a record\n0,1.25\n1,-2.5\n2,3.0\n3,4e-3\n", "gz\n0;1,25\n1;-2,5\n2;3\n3;0,004\n"],
+)
+def test_a_title_over_two_columns_is_no_fault(tmp_path, text):
+    path = tmp_path / "data.csv"
+    path.write_text(text)
+    assert rows(path, column=2)[1] == G.tolist()
+
+
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
 @pytest.mark.parametrize("blank", ["", "  "])
 @pytest.mark.parametrize(
