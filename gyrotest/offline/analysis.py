@@ -13,6 +13,7 @@ from gyrotest.analysis.noise_model import DriftKind, NoiseModel
 from gyrotest.certificate.numbers import printed
 from gyrotest.offline.record import RateRecord
 from gyrotest.offline.sources import Source
+from gyrotest.procedures.static.soundness import regularity_complaint
 from gyrotest.procedures.static.wording import engineering, plain
 from gyrotest.units import Quantity
 
@@ -95,6 +96,9 @@ def _fit_remarks(curve: AllanDeviation, model: NoiseModel) -> Iterator[str]:
             f"The five noise terms do not describe the record (χ²/ν = {plain(model.misfit, 3)}): the"
             " intervals are widened by its root."
         )
+    too_regular = regularity_complaint(model)
+    if too_regular:
+        yield too_regular
     for line in model.lines:
         yield (
             f"Spectral line at {plain(line.frequency_hz, 4)} Hz, amplitude"

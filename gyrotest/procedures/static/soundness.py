@@ -6,12 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.analysis.continuity import stuck_stretch
+from gyrotest.analysis.noise_model import NoiseModel
 from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.static.wording import engineering, plain
 from gyrotest.records.recording import SampleFlag, Sampling
 
 _METER_MARGIN = 3.0
 _OF_A_STEP = 1.0 / math.sqrt(12.0)
+_BETTER_BY_CHANCE = 1e-6
 
 
 def refuse_bad(values: NDArray[np.float64], flags: NDArray[np.uint8], start: int) -> None:
@@ -60,6 +62,16 @@ def rounding_complaint(values: NDArray[np.float64], step: float | None, unit: st
     return (
         f"not distinguishable from rounding: σ = {engineering(spread, unit)},"
         f" steps of {engineering(step, unit)}"
+    )
+
+
+def regularity_complaint(model: NoiseModel) -> str:
+    """Ask whether a record is noise at all: chance gives a fit this good less than once in a million times."""
+    if 1.0 - model.fit_probability >= _BETTER_BY_CHANCE:
+        return ""
+    return (
+        f"The record's noise is more regular than noise can be (χ²/ν = {plain(model.misfit, 2)}): has it been"
+        " smoothed, resampled or made up?"
     )
 
 

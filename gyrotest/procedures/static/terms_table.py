@@ -7,6 +7,7 @@ from dataclasses import replace
 from gyrotest.analysis.interval import NORMAL_95
 from gyrotest.analysis.noise_model import Drift, DriftKind, NoiseModel, SpectralLine, TauRange
 from gyrotest.procedures.static.noise_results import NoiseAnalysis
+from gyrotest.procedures.static.soundness import regularity_complaint
 from gyrotest.procedures.static.terms import ANGLE_WALK, TERMS
 from gyrotest.procedures.static.wording import engineering, plain
 from gyrotest.records.plan import Context
@@ -124,6 +125,9 @@ def _sentences(model: NoiseModel) -> Iterator[str]:
             "The five terms do not describe the curve within its uncertainty: theirs are widened by"
             f" √(χ²/ν) = {plain(model.misfit**0.5, 3)}."
         )
+    too_regular = regularity_complaint(model)
+    if too_regular:
+        yield too_regular
     if model.lines:
         lines = "; ".join(_line(one) for one in model.lines)
         yield f"Spectral lines (± standard uncertainty), kept out of the fit: {lines}."

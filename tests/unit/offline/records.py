@@ -30,10 +30,11 @@ def analysis(
     bandwidth_hz: float | None = None,
     datasheet: dict[str, Quantity] | None = None,
     seed: int = 1,
+    rate_dps: NDArray[np.float64] | None = None,
 ) -> Analysis:
     record = RateRecord(
         source=Source(path=Path(name), array=None, column=column or None, name=column),
-        rate_dps=rates(seed=seed),
+        rate_dps=rates(seed=seed) if rate_dps is None else rate_dps,
         interval_s=1.0 / RATE_HZ,
         begin_s=0.0,
         reading_s=reading_s,

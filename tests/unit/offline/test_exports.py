@@ -88,6 +88,18 @@ class TestReadings:
         assert record["angle_random_walk_apparent_deg_per_sqrt_s"]["value"] > 0.0
 
 
+class TestRegularity:
+    def test_noise_whose_spectrum_is_too_even_is_doubted(self) -> None:
+        spectrum = np.fft.rfft(np.random.default_rng(5).standard_normal(20_000))
+        even = np.fft.irfft(spectrum / np.abs(spectrum))
+        remarks = " ".join(analysis(rate_dps=even).remarks)
+        assert "more regular than noise can be (χ²/ν = 0.027)" in remarks
+        assert "has it been smoothed, resampled or made up?" in remarks
+
+    def test_noise_is_not_doubted(self, plain: Analysis) -> None:
+        assert not any("regular" in remark for remark in plain.remarks)
+
+
 class TestJson:
     def test_the_schema_is_named(self, document: dict[str, Any]) -> None:
         assert document["schema"] == "gyrotest.analysis/1"

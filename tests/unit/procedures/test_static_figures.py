@@ -133,6 +133,17 @@ def test_the_table_of_terms_has_their_values_beside_the_datasheets() -> None:
     assert lowest["Value"].value == pytest.approx((results["allan_minimum"].value or 0.0) / 60.0)
 
 
+@pytest.mark.parametrize(("better", "told"), [(1e-5, 0), (1e-7, 1)])
+def test_the_table_asks_whether_noise_that_is_too_regular_is_noise(better: float, told: int) -> None:
+    context = static_context()
+    noise = analyse_noise(static_record(voltages(rates()), context, StaticParameters()))
+    named = by_name(Static().reduce(voltages(rates()), context).results)
+    model = dataclasses.replace(noise.model, misfit=0.0267, fit_probability=1.0 - better)
+    sentences = terms_table(dataclasses.replace(noise, model=model), named, context).sentences
+    asked = [one for one in sentences if "more regular than noise can be (χ²/ν = 0.027)" in one]
+    assert len(asked) == told
+
+
 def test_the_table_says_how_well_the_model_fits_and_what_was_kept_out_of_it() -> None:
     context = static_context()
     record = static_record(voltages(rates()), context, StaticParameters())
