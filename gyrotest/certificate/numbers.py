@@ -83,7 +83,7 @@ def _faithful_place(value: float, place: int, limits: tuple[float, ...]) -> int:
 
 
 def _side(value: float, limit: float) -> int:
-    return _sign(Decimal(repr(value)) - Decimal(plain_digits(limit)))
+    return _sign(Decimal(repr(float(value))) - Decimal(plain_digits(limit)))
 
 
 def plain_digits(value: float) -> str:
@@ -117,7 +117,7 @@ def _exponent(values: tuple[float, ...], place: int) -> int:
 
 
 def _rounded(value: float, place: int) -> Decimal:
-    return Decimal(repr(value)).quantize(Decimal(1).scaleb(place, _CONTEXT), context=_CONTEXT)
+    return Decimal(repr(float(value))).quantize(Decimal(1).scaleb(place, _CONTEXT), context=_CONTEXT)
 
 
 def _text(value: float, place: int, exponent: int) -> str:

@@ -4,6 +4,7 @@ import math
 import re
 from decimal import Decimal
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -110,3 +111,12 @@ def test_printed_value_lies_on_the_same_side_of_a_printed_limit(
         return
     assert (shown > number(plain(limit))) == (value > limit)
     assert (shown < number(plain(limit))) == (value < limit)
+
+
+@pytest.mark.parametrize("kind", [np.float64, np.float32, np.int64])
+def test_numbers_of_numpy_are_printed_as_python_s(kind):
+    value, uncertainty = kind(21), kind(2)
+    assert printed(value, uncertainty=uncertainty, limits=[kind(20)]) == printed(
+        21.0, uncertainty=2.0, limits=[20.0]
+    )
+    assert (plain(value), significant(value, digits=3)) == ("21", "21.0")
