@@ -55,7 +55,7 @@ def _analyses(files: Sequence[Path], asked: "Wanted") -> tuple[list["Analysis"],
     analyses: list[Analysis] = []
     refused: list[str] = []
     with watched() as progress:
-        for path in files:
+        for path in _named(files, refused):
             try:
                 sources = sources_of(path, asked.request)
                 check_known(path, asked.request)
@@ -68,6 +68,21 @@ def _analyses(files: Sequence[Path], asked: "Wanted") -> tuple[list["Analysis"],
                 except GyrotestError as error:
                     _refuse(refused, error)
     return analyses, refused
+
+
+def _named(files: Sequence[Path], refused: list[str]) -> Iterator[Path]:
+    """Yield the files, and those of runs' folders, each once."""
+    from gyrotest.offline.files import files_of
+
+    seen: set[Path] = set()
+    for name in files:
+        try:
+            found = files_of(name)
+        except GyrotestError as error:
+            _refuse(refused, error)
+            continue
+        yield from (path for path in found if path not in seen)
+        seen.update(found)
 
 
 def _one(source: "Source", asked: "Wanted", progress: "Silence") -> "Analysis":

@@ -22,7 +22,11 @@ Exit code: 0 all were analysed, 1 one could not be, 2 wrong usage."""
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the files and the options."""
     parser.add_argument(
-        "files", nargs="+", type=Path, metavar="FILE", help="recorded files; a curve for each column"
+        "files",
+        nargs="+",
+        type=Path,
+        metavar="FILE",
+        help="recorded files; a run's folder stands for its recordings",
     )
     _add_what(parser.add_argument_group("what is read of each file"))
     _add_meaning(parser.add_argument_group("what its numbers mean"))

@@ -77,7 +77,7 @@ class _Door:
         if self._faults:
             return None
         return Request(
-            columns=tuple(map(_column, parsed.column or ())),
+            columns=tuple(dict.fromkeys(map(_column, parsed.column or ()))),
             array=parsed.array,
             where=where,
             skip_rows=parsed.skip_rows,

@@ -111,6 +111,14 @@ class TestFiles:
         assert (found["samples"], found["interval_s"]) == (180, 1.0)
         assert found["duty"] == pytest.approx(0.4)
         assert abs(found["mean_dps"]) < 1.0
+        run = recording.parent.parent
+        (of_run,) = _records(capsys, run, "--spec", str(tmp_path / "spec.yaml"))
+        assert (of_run["file"], of_run["curve"]) == (str(recording), found["curve"])
+
+    def test_what_is_asked_for_twice_is_analysed_once(self, folder: Path, capsys: Capture) -> None:
+        path = folder / "rest.csv"
+        found = _records(capsys, path, path, *RATE, "--column", "gx", "--column", "gz", "--column", "gx")
+        assert [one["column"] for one in found] == ["gx", "gz"]
 
 
 class TestMeaning:
