@@ -27,6 +27,7 @@ _ALONE = {
     "g": "g",
     "mg": "mg",
     "ug": "ug",
+    "ns": "ns",
     "sec": "s",
     "second": "s",
     "seconds": "s",

@@ -25,6 +25,7 @@ milli- = 1e-3 = m-
 kilo- = 1e3 = k-
 mega- = 1e6 = M-
 second = [time] = s = sec
+nanosecond = 1e-9 * second = ns
 minute = 60 * second = min
 hour = 3600 * second = h = hr
 day = 24 * hour = d

@@ -247,7 +247,7 @@ class _Door:
         try:
             conversion_factor(unit, "s")
         except UnitError as error:
-            self._fault("time-unit", f"{error}; write e.g. s, ms, us, or 'sample'")
+            self._fault("time-unit", f"{error}; write e.g. s, ms, us, ns, or 'sample'")
 
     def _check_outputs(self) -> None:
         parsed = self._parsed

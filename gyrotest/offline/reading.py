@@ -18,17 +18,19 @@ Watch = Callable[[int], None]
 class Column:
     """A column's numbers as they stand in the file, shape (n,).
 
-    `row` are their rows, from 0, where some are missing between them; `time` their time stamps,
+    `row` are their rows, from 0, where some are missing between them; `time_s` their time stamps,
     where a time column was asked for.
     """
 
     values: NDArray[np.float64]
     row: NDArray[np.int64] | None
-    time: NDArray[np.float64] | None
+    time_s: NDArray[np.float64] | None
 
 
-def read_column(source: Source, selection: Selection, watch: Watch) -> Column:
-    """Read a column; raises `RecordingError`."""
+def read_column(
+    source: Source, selection: Selection, watch: Watch, *, time_unit_s: float = 1.0
+) -> Column:
+    """Read a column; `time_unit_s` is that of time stamps which are no dates; raises `RecordingError`."""
     values: list[NDArray[np.float64]] = []
     times: list[NDArray[np.float64]] = []
     rows = _Rows()
@@ -36,13 +38,14 @@ def read_column(source: Source, selection: Selection, watch: Watch) -> Column:
         if part.row.size:
             rows.add(part.row)
             values.append(part.values)
-            if part.time is not None:
-                times.append(part.time)
+            stamps_s = part.time_s(time_unit_s)
+            if stamps_s is not None:
+                times.append(stamps_s)
             watch(rows.count)
     return Column(
         values=_joined(values, rows.count),
         row=rows.if_any_is_missing(),
-        time=_joined(times, rows.count) if times else None,
+        time_s=_joined(times, rows.count) if times else None,
     )
 
 

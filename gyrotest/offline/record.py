@@ -89,7 +89,8 @@ def _rate_record(source: Source, request: Request, watch: Watch) -> RateRecord:
     own = own_sampling(source.path)
     conversion = request.conversion(own.unit if own else None)
     interval_s = _stated_interval(request, own, source.path)
-    column = read_column(source, _selection(source, request), watch)
+    selection, unit_s = _selection(source, request), _time_factor_s(request)
+    column = read_column(source, selection, watch, time_unit_s=unit_s)
     if not column.values.size:
         raise InsufficientDataError(_nothing(request))
     uniform = _uniform(column, request, interval_s)
@@ -143,9 +144,9 @@ def _stated_interval(request: Request, own: Sampling | None, path: Path) -> floa
 
 
 def _uniform(column: Column, request: Request, interval_s: float | None) -> Uniform:
-    if column.time is not None:
+    if column.time_s is not None:
         return uniform_by_time(
-            column.time * _time_factor_s(request),
+            column.time_s,
             interval_s=interval_s,
             window=request.window,
             gaps=request.gaps,

@@ -142,6 +142,7 @@ def _is_time_array(name: str) -> bool:
 def _time_names(table: Table) -> Iterator[str]:
     if _is_time_array(table.array):
         yield table.array
+    yield from table.dates
     yield from filter(_is_time, table.columns)
 
 

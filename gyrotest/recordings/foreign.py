@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -44,7 +44,8 @@ class ForeignFile:
     """A file that is read as often as asked, block by block.
 
     `interval_s` is known from outside or, with a time column, found in the stamps; `factor` turns
-    the file's numbers into the unit wanted, `time_factor_s` those of the time column into seconds.
+    the file's numbers into the unit wanted, `time_factor_s` those of the time column into seconds, where
+    they are no dates.
     Everything raises `RecordingError`.
     """
 
@@ -96,7 +97,8 @@ class ForeignFile:
             if inside.all():
                 yield part
             else:
-                yield Part(
+                yield replace(
+                    part,
                     row=part.row[inside],
                     values=part.values[inside],
                     time=None if part.time is None else part.time[inside],
@@ -110,8 +112,9 @@ class ForeignFile:
         return None if math.isinf(last) else int(last)
 
     def _time_s(self, part: Part) -> NDArray[np.float64]:
-        if part.time is not None:
-            return part.time * self._time_factor_s
+        stamps_s = part.time_s(self._time_factor_s)
+        if stamps_s is not None:
+            return stamps_s
         # The quotient of two decimal numbers is rounded once, so that a window's edge is met.
         return part.row / (1.0 / self.interval_s)
 

@@ -88,6 +88,44 @@ class TestFiles:
         (found,) = _records(capsys, folder / "rest.csv", *arguments)
         assert found["sample_rate_hz"] == pytest.approx(RATE_HZ)
 
+    @pytest.mark.parametrize("name", ["dated.csv", "dated.parquet"])
+    @pytest.mark.parametrize("unit", [(), ("--time-unit", "ms")])
+    def test_dates_give_the_rate_whatever_unit_is_stated(
+        self, tmp_path: Path, capsys: Capture, name: str, unit: tuple[str, ...]
+    ) -> None:
+        import pyarrow as pa
+        import pyarrow.csv
+        import pyarrow.parquet as pq
+
+        stamps = np.datetime64("2026-03-01T12:00:00.000", "ms") + 100 * np.arange(600)
+        table = pa.table({"when": pa.array(stamps, pa.timestamp("ms")), "gx": rates(600)})
+        write = pyarrow.csv.write_csv if name.endswith("csv") else pq.write_table
+        write(table, tmp_path / name)
+        options = ("--unit", "deg/s", "--time-column", "when", *unit)
+        (found,) = _records(capsys, tmp_path / name, *options)
+        assert found["sample_rate_hz"] == pytest.approx(RATE_HZ)
+
+    def test_a_count_of_nanoseconds_needs_its_unit(self, tmp_path: Path, capsys: Capture) -> None:
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        ticks = 1_700_000_000_000_000_000 + 100_000_000 * np.arange(600)
+        pq.write_table(pa.table({"t_ns": ticks, "gx": rates(600)}), tmp_path / "rest.parquet")
+        options = ("--unit", "deg/s", "--time-column", "t_ns")
+        _, err = _said(capsys, tmp_path / "rest.parquet", *options, expected=1)
+        assert "give --time-unit ns" in err
+        (found,) = _records(capsys, tmp_path / "rest.parquet", *options, "--time-unit", "ns")
+        assert found["sample_rate_hz"] == pytest.approx(RATE_HZ)
+
+    def test_a_column_of_dates_is_offered(self, tmp_path: Path, capsys: Capture) -> None:
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        stamps = np.datetime64("2026-03-01T12:00:00.000", "ms") + 100 * np.arange(600)
+        pq.write_table(pa.table({"when": stamps, "gx": rates(600)}), tmp_path / "rest.parquet")
+        _, err = _said(capsys, tmp_path / "rest.parquet", "--unit", "deg/s", expected=1)
+        assert "or --time-column when" in err
+
     def test_a_window_is_analysed_alone(self, folder: Path, capsys: Capture) -> None:
         (found,) = _records(capsys, folder / "rest.npy", *RATE, "--window", "1 min", "5 min")
         assert (found["begin_s"], found["samples"]) == (60.0, 2400)

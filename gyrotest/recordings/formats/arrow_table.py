@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from gyrotest.errors import RecordingError
 from gyrotest.recordings.batches import said
+from gyrotest.recordings.formats.arrow_dates import Dates, are_dates
 from gyrotest.recordings.formats.selection import PART_ROWS, Part, Selection, find_column
 
 
@@ -58,13 +59,19 @@ def _needed(schema: Any, selection: Selection, path: Path) -> list[str]:
 def _parts(
     batches: Iterable[Any], columns: list[str], path: Path, selection: Selection
 ) -> Iterator[Part]:
-    row = 0
+    row, dates = 0, Dates()
     for batch in batches:
         numbers = np.arange(row, row + batch.num_rows, dtype=np.int64)
         row += batch.num_rows
         keep = _kept(batch, selection)
-        times = None if selection.time_column is None else _numbers(batch, columns[1], path)[keep]
-        yield Part(row=numbers[keep], values=_numbers(batch, columns[0], path)[keep], time=times)
+        values = _numbers(batch, columns[0], path)[keep]
+        if selection.time_column is None:
+            yield Part(row=numbers[keep], values=values)
+        elif are_dates(batch.column(columns[1]).type):
+            seconds = dates.seconds(batch.column(columns[1]))[keep]
+            yield Part(row=numbers[keep], values=values, time=seconds, time_in_s=True)
+        else:
+            yield Part(row=numbers[keep], values=values, time=_numbers(batch, columns[1], path)[keep])
 
 
 def _kept(batch: Any, selection: Selection) -> Any:

@@ -10,6 +10,7 @@ import numpy as np
 
 from gyrotest.errors import RecordingError
 from gyrotest.recordings.batches import said
+from gyrotest.recordings.formats.arrow_dates import are_dates
 from gyrotest.recordings.formats.detect import Format, detect
 from gyrotest.recordings.formats.hdf5 import data_sets, opened
 from gyrotest.recordings.formats.npy import DAMAGE
@@ -24,11 +25,13 @@ class Table:
     """Columns of numbers side by side.
 
     `array` is what `Selection.array` calls it; empty where the file is one table. `columns` are
-    names, or the columns' numbers from 1 where they have none.
+    names, or the columns' numbers from 1 where they have none. `dates` are columns of dates and
+    times, which can be no more than a time column.
     """
 
     array: str
     columns: tuple[str, ...]
+    dates: tuple[str, ...] = ()
 
 
 def contents(path: Path, *, skip_rows: int = 0) -> tuple[Table, ...]:
@@ -39,7 +42,7 @@ def contents(path: Path, *, skip_rows: int = 0) -> tuple[Table, ...]:
     if form is Format.TEXT:
         return (Table(array="", columns=read_head(path, skip_rows=skip_rows, wanted=()).names),)
     if form in (Format.PARQUET, Format.ARROW):
-        return (Table(array="", columns=_arrow_columns(path, form)),)
+        return (_arrow_table(path, form),)
     return _arrays(path, form)
 
 
@@ -118,7 +121,7 @@ def _mat(path: Path) -> tuple[Table, ...]:
     )
 
 
-def _arrow_columns(path: Path, form: Format) -> tuple[str, ...]:
+def _arrow_table(path: Path, form: Format) -> Table:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -132,10 +135,14 @@ def _arrow_columns(path: Path, form: Format) -> tuple[str, ...]:
                 schema = (pa.ipc.open_file if is_file else pa.ipc.open_stream)(source).schema
     except (pa.ArrowException, OSError) as error:
         raise RecordingError(f"{path}: cannot be read: {said(error)}") from error
-    return tuple(
-        field.name
-        for field in schema
-        if pa.types.is_integer(field.type) or pa.types.is_floating(field.type)
+    return Table(
+        array="",
+        columns=tuple(
+            field.name
+            for field in schema
+            if pa.types.is_integer(field.type) or pa.types.is_floating(field.type)
+        ),
+        dates=tuple(field.name for field in schema if are_dates(field.type)),
     )
 
 

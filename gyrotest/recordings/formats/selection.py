@@ -32,13 +32,19 @@ class Selection:
 class Part:
     """Rows of a file in their order: each one's number (from 0), value, and time as it stands there.
 
-    A cell that is missing is NaN. The numbers jump where `where` left rows out, and where one of
+    With `time_in_s` the times were dates, and are seconds since the first one. A cell that is missing
+    is NaN. The numbers jump where `where` left rows out, and where one of
     our own recordings has a gap.
     """
 
     row: NDArray[np.int64]
     values: NDArray[np.float64]
     time: NDArray[np.float64] | None = None
+    time_in_s: bool = False
+
+    def time_s(self, unit_s: float) -> NDArray[np.float64] | None:
+        """Return the times in seconds; `unit_s` is the unit that they stand in, unless they were dates."""
+        return self.time if self.time is None or self.time_in_s else self.time * unit_s
 
 
 def find_column(wanted: str | int | None, names: Sequence[str], path: Path) -> int:

@@ -9,12 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gyrotest.errors import RecordingError
 from gyrotest.recordings.formats.selection import PART_ROWS, Part, Selection, find_column
+from gyrotest.recordings.formats.text_dates import Dates, parsed
 from gyrotest.recordings.formats.text_fast import FastText, is_clean
 from gyrotest.recordings.formats.text_head import COMMENT, TextHead, read_head
+
+_NOR_DATES = "; times are numbers in all rows, or dates such as 2026-01-31T12:00:00.5 in all"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,20 +56,66 @@ def read_text(path: Path, selection: Selection) -> Iterator[Part]:
 
 
 def _slow(path: Path, head: TextHead, columns: TextColumns, done: int) -> Iterator[Part]:
-    rows: list[int] = []
-    values: list[float] = []
-    times: list[float] = []
+    block = _Block(path, head, columns, dates=None if done else _dates(path, head, columns))
     for row, (line, cells) in enumerate(_lines(path, head)):
         if row < done or not columns.keeps(cells, head):
             continue
-        rows.append(row)
-        values.append(_number(cells, columns.value, path, line, head))
-        if columns.time is not None:
-            times.append(_number(cells, columns.time, path, line, head))
-        if len(rows) == PART_ROWS:
-            yield _part(rows, values, times if columns.time is not None else None)
-            rows, values, times = [], [], []
-    yield _part(rows, values, times if columns.time is not None else None)
+        block.add(row, line, cells)
+        if block.rows == PART_ROWS:
+            yield block.taken()
+    yield block.taken()
+
+
+def _dates(path: Path, head: TextHead, columns: TextColumns) -> Dates | None:
+    """Return what reads a time column of dates: the first row tells."""
+    first = next(_lines(path, head), None)
+    if first is None or columns.time is None:
+        return None
+    cell = first[1][columns.time]
+    return Dates() if head.number(cell) is None and parsed(cell) else None
+
+
+class _Block:
+    """Gathers rows."""
+
+    def __init__(self, path: Path, head: TextHead, columns: TextColumns, *, dates: Dates | None) -> None:
+        self._path, self._head, self._columns, self._dates = path, head, columns, dates
+        self._rows: list[int] = []
+        self._values: list[float] = []
+        self._times: list[float] = []
+
+    @property
+    def rows(self) -> int:
+        """How many there are."""
+        return len(self._rows)
+
+    def add(self, row: int, line: int, cells: list[str]) -> None:
+        """Read a row; raises `RecordingError` with its line."""
+        self._rows.append(row)
+        self._values.append(_number(cells, self._columns.value, self._path, line, self._head))
+        if self._columns.time is not None:
+            self._times.append(self._time(cells, self._columns.time, line))
+
+    def _time(self, cells: list[str], at: int, line: int) -> float:
+        if self._dates is None:
+            return _number(cells, at, self._path, line, self._head, also=_NOR_DATES)
+        try:
+            return self._dates.seconds(cells[at])
+        except ValueError as error:
+            raise RecordingError(
+                f"{self._path}:{line}: column '{self._head.names[at]}': {error}"
+            ) from error
+
+    def taken(self) -> Part:
+        """Return the rows, and begin anew."""
+        part = Part(
+            row=np.array(self._rows, dtype=np.int64),
+            values=np.array(self._values, dtype=np.float64),
+            time=None if self._columns.time is None else np.array(self._times, dtype=np.float64),
+            time_in_s=self._dates is not None,
+        )
+        self._rows, self._values, self._times = [], [], []
+        return part
 
 
 def _lines(path: Path, head: TextHead) -> Iterator[tuple[int, list[str]]]:
@@ -98,11 +146,13 @@ def _cells(line: str, path: Path, number: int, head: TextHead) -> list[str]:
     return cells
 
 
-def _number(cells: list[str], at: int, path: Path, line: int, head: TextHead) -> float:
+def _number(
+    cells: list[str], at: int, path: Path, line: int, head: TextHead, *, also: str = ""
+) -> float:
     number = head.number(cells[at])
     if number is None:
         raise RecordingError(
-            f"{path}:{line}: column '{head.names[at]}': '{cells[at].strip()}' is no number"
+            f"{path}:{line}: column '{head.names[at]}': '{cells[at].strip()}' is no number{also}"
         )
     return number
 
@@ -111,14 +161,3 @@ def _same(cell: str, content: str | int | float, head: TextHead) -> bool:
     if isinstance(content, str):
         return cell.strip() == content
     return head.number(cell) == content
-
-
-def _part(rows: list[int], values: list[float], times: list[float] | None) -> Part:
-    def array(numbers: list[float]) -> NDArray[np.float64]:
-        return np.array(numbers, dtype=np.float64)
-
-    return Part(
-        row=np.array(rows, dtype=np.int64),
-        values=array(values),
-        time=None if times is None else array(times),
-    )

@@ -17,7 +17,7 @@ from gyrotest.records.spec import Gaps
 def _by_row(row: NDArray[np.int64] | None, gaps: Gaps = Gaps.REFUSE, **window: float) -> Uniform:
     size = 100 if row is None else row.size
     return uniform_by_row(
-        Column(values=np.zeros(size), row=row, time=None),
+        Column(values=np.zeros(size), row=row, time_s=None),
         interval_s=0.5,
         window=Window(**window) if window else None,
         gaps=gaps,

@@ -342,6 +342,77 @@ def test_a_file_that_is_not_there_is_named(tmp_path):
         rows(tmp_path / "gone.csv")
 
 
+def stamped(path, unit, *, zone=None, kind="timestamp"):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    ticks = np.rint(T * {"ms": 1e3, "us": 1e6, "ns": 1e9}[unit]).astype(np.int64)
+    begin = 0 if kind == "duration" else 1_700_000_000 * {"ms": 10**3, "us": 10**6, "ns": 10**9}[unit]
+    times = pa.array([*(ticks + begin).tolist(), None])
+    of = pa.duration(unit) if kind == "duration" else pa.timestamp(unit, tz=zone)
+    pq.write_table(pa.table({"t": times.cast(of), "gz": [*G, 9.0]}), path, row_group_size=2)
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        {"unit": "ns"},
+        {"unit": "us", "zone": "Europe/Vienna"},
+        {"unit": "ms"},
+        {"unit": "us", "kind": "duration"},
+    ],
+)
+def test_stamps_of_parquet_are_seconds_since_the_first(tmp_path, made):
+    stamped(tmp_path / "t.parquet", **made)
+    parts = list(read_parts(tmp_path / "t.parquet", Selection(column="gz", time_column="t")))
+    assert all(part.time_in_s for part in parts)
+    times = np.concatenate([part.time for part in parts])
+    assert times.tolist()[:4] == T.tolist()
+    assert np.isnan(times[4])
+
+
+@pytest.mark.parametrize(
+    "stamps",
+    [
+        ["2026-03-29T00:59:59.5", "2026-03-29T01:00:00", "2026-03-29T01:00:00.5", "2026-03-29T01:00:01"],
+        [
+            "2026-01-01 00:00:00.500000000Z",
+            "2026-01-01 00:00:01Z",
+            "2026-01-01 01:00:01.5+01:00",
+            "20260101T000002Z",
+        ],
+    ],
+)
+def test_dates_in_a_text_are_seconds_since_the_first(tmp_path, stamps):
+    path = tmp_path / "data.csv"
+    path.write_text(
+        "time,gz\n" + "".join(f"{t},{g!r}\n" for t, g in zip(stamps, G.tolist(), strict=True))
+    )
+    (part,) = read_parts(path, Selection(column="gz", time_column="time"))
+    assert part.time_in_s
+    assert part.time.tolist() == T.tolist()
+    assert part.values.tolist() == G.tolist()
+
+
+@pytest.mark.parametrize(
+    ("stamps", "fault"),
+    [
+        (["today", "0.5"], r"csv:2: column 'time': 'today' is no number; times are numbers .* or dates"),
+        (["2026-01-01T00:00:00", "soon"], r"csv:3: column 'time': 'soon' is no date and time"),
+        (
+            ["2026-01-01T00:00:00", "2026-01-01T00:00:01Z"],
+            r"csv:3: .* has a time zone and others have none",
+        ),
+        (["0.5", "2026-01-01T00:00:00"], r"csv:3: column 'time': '2026-01-01T00:00:00' is no number"),
+    ],
+)
+def test_stamps_of_two_kinds_are_refused(tmp_path, stamps, fault):
+    path = tmp_path / "data.csv"
+    path.write_text("time,gz\n" + "".join(f"{t},1.5\n" for t in stamps))
+    with pytest.raises(RecordingError, match=fault):
+        rows(path, column="gz", time_column="time")
+
+
 def test_a_row_vector_is_a_column_of_samples(tmp_path):
     np.save(tmp_path / "v.npy", G[np.newaxis, :])
     assert rows(tmp_path / "v.npy")[1] == G.tolist()
