@@ -21,7 +21,17 @@ from gyrotest.runner.items import planned_case, planned_items
 
 _SERIAL_NUMBER = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 _WINDOWS_DEVICE = re.compile(r"(?i)(con|prn|aux|nul|com[0-9]|lpt[0-9])(\..*)?")
-_SOFTWARE = ("gyrotest", "pytest", "numpy", "scipy", "numba", "pyvisa", "pyvisa-py", "pyarrow", "weasyprint")
+_SOFTWARE = (
+    "gyrotest",
+    "pytest",
+    "numpy",
+    "scipy",
+    "numba",
+    "pyvisa",
+    "pyvisa-py",
+    "pyarrow",
+    "weasyprint",
+)
 _BYTES_A_SAMPLE = 120
 
 
