@@ -16,7 +16,7 @@ demo: $(READY)
 ## Everything that must hold: format, lint, types, import contracts, tests with branch coverage.
 test: check
 	rm -f .coverage .coverage.*
-	$(BIN)/python -m pytest -n 2 --dist loadgroup --cov --cov-report=term:skip-covered
+	$(BIN)/python -m pytest -n 2 --dist loadscope --no-loadscope-reorder --cov --cov-report=term:skip-covered
 
 check: $(READY_DEV)
 	$(BIN)/ruff format --check .

@@ -23,7 +23,7 @@ from tests.unit.analysis.generator import DPH, gyro_noise
 
 from .units import run_units
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("datasheet specs")]
+pytestmark = [pytest.mark.slow]
 
 
 @dataclass(frozen=True)

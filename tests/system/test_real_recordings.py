@@ -19,7 +19,7 @@ from gyrotest.specification.station import load_station
 
 from .units import run_units
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("real recordings")]
+pytestmark = [pytest.mark.slow]
 
 # Computed independently of this project, with numpy and allantools.
 ADIS = {

@@ -39,7 +39,6 @@ def _values(
     return found
 
 
-@pytest.mark.xdist_group("nominal units")
 class TestNominal:
     def test_at_least_nineteen_of_twenty_pass(self, nominal: list[RunRecord]) -> None:
         verdicts = [record.verdict for record in nominal[:20]]
@@ -135,7 +134,6 @@ def _drift_variance(attempt: Attempt, smoothing_s: int) -> float:
     return float(drift.reshape(-1, smoothing_s).mean(axis=1).var(ddof=1))
 
 
-@pytest.mark.xdist_group("other units")
 @pytest.mark.parametrize("scenario", ["out-of-limits", "dead-output"])
 def test_no_unit_passes_that_should_not(tmp_path: Path, scenario: str) -> None:
     records = list(run_units(tmp_path, UNITS[:20], scenario=scenario))
@@ -143,7 +141,6 @@ def test_no_unit_passes_that_should_not(tmp_path: Path, scenario: str) -> None:
     assert verdicts == {Verdict.FAIL if scenario == "out-of-limits" else Verdict.INCOMPLETE}
 
 
-@pytest.mark.xdist_group("other units")
 def test_a_dead_output_is_an_error_that_names_the_meter(tmp_path: Path) -> None:
     (record,) = run_units(tmp_path, ["4711"], scenario="dead-output")
     assert any("not distinguishable from the meter" in one for one in record.missing)
