@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gyrotest.analysis.accumulator import AllanAccumulator
-from gyrotest.analysis.angle import checked_angle, real_samples
+from gyrotest.analysis.angle import angle, real_samples
 from gyrotest.analysis.curve import (
     AllanDeviation,
     bounded_curve,
@@ -249,7 +249,7 @@ def _factors(samples: int, estimator: _Estimator, wanted: Sequence[int] | None) 
 def _angle(rate: NDArray[np.generic], place: tuple[int, ...]) -> NDArray[np.float64]:
     """Sum up one gyro axis; `place` is its index among the leading axes."""
     try:
-        return checked_angle(rate[place])
+        return angle(rate[place])
     except InsufficientDataError as error:
         if not place:
             raise

@@ -47,17 +47,12 @@ def checked_rate(rate_dps: ArrayLike) -> NDArray[np.float64]:
     return rate
 
 
-def angle(rate: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Sum up the record less its mean: `n + 1` points beginning at 0, in rate × samples.
+def angle(rate_dps: ArrayLike) -> NDArray[np.float64]:
+    """Check the record, as `checked_rate` does, and sum it up: `n + 1` points beginning at 0, in rate × samples.
 
     The mean goes first: the sum of a large offset would eat the digits of a small noise, and the
-    Allan variance does not see it. A record that has not been checked is `checked_angle`'s.
+    Allan variance does not see it.
     """
-    return checked_angle(rate)
-
-
-def checked_angle(rate_dps: ArrayLike) -> NDArray[np.float64]:
-    """Check the record and sum it up, in one pass fewer; raises as `checked_rate`."""
     rate = _record(rate_dps)
     sums = _scanned(rate)
     summed = _at_cache_line(rate.size + 1)

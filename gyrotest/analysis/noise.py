@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gyrotest.analysis.allan import AllanDeviation, overlapping_allan_deviation
 from gyrotest.analysis.allan_fit import allan_fit
+from gyrotest.analysis.angle import checked_rate
 from gyrotest.analysis.curve import checked_sample_rate
 from gyrotest.analysis.drift import courses
 from gyrotest.analysis.fitted_record import FittedRecord
@@ -90,9 +91,7 @@ def identify_noise(
     checked_sample_rate(sample_rate_hz)
     if not 0.0 < duty <= 1.0:
         raise ValueError(f"a duty is above 0 and at most 1, found {duty!r}")
-    rate = np.asarray(rate_dps, dtype=np.float64)
-    if rate.ndim != 1:
-        raise ValueError(f"a rate record has one dimension, found {rate.ndim}")
+    rate = checked_rate(rate_dps)
     if rate.size < SHORTEST_RECORD:
         raise InsufficientDataError(
             f"the record has {rate.size} samples; a noise model needs at least {SHORTEST_RECORD}"
@@ -130,7 +129,7 @@ def fourth_cumulant(rate_dps: NDArray[np.float64]) -> float:
     """
     sums = np.empty(3)
     every = max(rate_dps.size // _MOST_DIFFERENCES, 1)
-    difference_powers(np.ascontiguousarray(rate_dps), every, sums)
+    difference_powers(rate_dps, every, sums)
     second, fourth = sums[1:] / sums[0]
     return float(fourth - 3.0 * second**2) / 2.0
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from gyrotest.analysis.accumulator import AllanAccumulator, Mode
 from gyrotest.analysis.allan import default_factors, overlapping_allan_deviation
-from gyrotest.analysis.angle import checked_angle
+from gyrotest.analysis.angle import angle
 from gyrotest.analysis.kernels.chains import overlapping_variances
 from gyrotest.analysis.kernels.record import STREAMS, scan
 from gyrotest.analysis.noise_type import noise_types
@@ -50,7 +50,7 @@ _Factors = NDArray[np.int64]
 
 
 def _ours(rate: _Rate, factors: _Factors) -> None:
-    overlapping_variances(checked_angle(rate), factors)
+    overlapping_variances(angle(rate), factors)
 
 
 def _allantools(rate: _Rate, factors: _Factors) -> None:
@@ -99,6 +99,7 @@ def main() -> None:
     reference = _whole_records(rate, there, _RUNS)
     _streams(rate, reference)
     _intervals(rate)
+    _where_time_goes(rate)
     long = np.concatenate([rate] * 10)
     del rate
     _whole_records(long, ["gyrotest", "allantools"], _LONG_RUNS)
@@ -179,7 +180,7 @@ def _realtime_us(rate: _Rate) -> float:
 
 def _intervals(rate: _Rate) -> None:
     factors = default_factors(rate.size)
-    theta = checked_angle(rate)
+    theta = angle(rate)
     cases = _in_turn(
         {
             "deviations": lambda: _ours(rate, factors),
@@ -194,6 +195,18 @@ def _intervals(rate: _Rate) -> None:
         f"\nDeviations {alone.cpu_s:.3f} s; with noise types ({cases['noise types'].cpu_s:.3f} s) and intervals"
         f" {whole.cpu_s:.3f} s: {on_top:.0%} on top.\n"
     )
+
+
+def _where_time_goes(rate: _Rate) -> None:
+    factors, theta = default_factors(rate.size), angle(rate)
+    parts = {"check, mean and running sum": lambda: _discard(angle(rate))}
+    for first, last in ((1, 199), (200, 3999), (4000, 65535), (65536, rate.size)):
+        chosen = factors[(factors >= first) & (factors <= last)]
+        name = f"{chosen.size} averaging times from {chosen[0]:,} to {chosen[-1]:,}"
+        parts[name] = lambda chosen=chosen: _discard(overlapping_variances(theta, chosen))
+    sys.stdout.write("\n")
+    for name, case in _in_turn(parts, _RUNS).items():
+        sys.stdout.write(f"{name}: {case.cpu_s * 1e3:.1f} ms\n")
 
 
 def _discard(_: object) -> None:

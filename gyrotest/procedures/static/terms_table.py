@@ -117,7 +117,8 @@ def _probability(probability: float) -> str:
 
 def _sentences(model: NoiseModel) -> Iterator[str]:
     yield (
-        "Carries τ: where the term is at least a third of the fitted variance. ≤: upper end of the 95 % interval."
+        "Carries τ: where the term is at least a third of the fitted variance."
+        " ≤ of a term: upper end of its 95 % interval; of the minimum: floor not reached."
         " Probability: of a fit worse than this by chance."
     )
     if model.fit_probability < _UNLIKELY:

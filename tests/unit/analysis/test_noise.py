@@ -329,6 +329,18 @@ def test_heavy_tails_are_in_the_interval_of_the_angle_random_walk(kind: str) -> 
     assert held >= 50
 
 
+def test_bad_samples_are_refused_with_a_curve_at_hand_too() -> None:
+    rate = gyro_noise(3600, angle_random_walk=1.0)
+    curve = overlapping_allan_deviation(rate, sample_rate_hz=1.0)
+    hidden = np.ma.masked_array(rate, mask=np.arange(3600) == 7)
+    broken = rate.copy()
+    broken[7] = np.nan
+    with pytest.raises(InsufficientDataError, match="1 of 3600 samples are masked"):
+        identify_noise(hidden, sample_rate_hz=1.0, deviation=curve)
+    with pytest.raises(InsufficientDataError, match="sample 7 is nan"):
+        identify_noise(broken, sample_rate_hz=1.0, deviation=curve)
+
+
 def test_the_fourth_cumulant_is_that_of_the_samples() -> None:
     random = np.random.default_rng(4)
     assert fourth_cumulant(random.laplace(size=400_000)) == pytest.approx(12.0, rel=0.1)
