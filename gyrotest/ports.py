@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from datetime import datetime
 from typing import Any, Protocol, runtime_checkable
 
+from gyrotest.records.bench import Device, Supplied
 from gyrotest.records.plan import Context, Plan, Reduction
 from gyrotest.records.recording import Block, Identity, Samples, Sampling
 from gyrotest.records.result import Measurand, Result
@@ -67,8 +68,88 @@ class Playback(Protocol):
         """What is to be known of the stretch that was played, for the certificate."""
 
 
+@runtime_checkable
+class DigitalGyro(Protocol):
+    """A source that is itself the unit under test, and can say what it is and how it is set."""
+
+    def device(self) -> Device:
+        """What the unit says of itself, after `configure`; what it cannot be asked is None."""
+
+
+class RateTable(Protocol):
+    """A rate table, one axis of it. It is made with the station's `motion`, and refuses what lies beyond.
+
+    Everything raises `InstrumentError` (a subclass that fits) with the resource in front, but `stop`
+    and `close`, which never raise and may be called at any time.
+    """
+
+    def open(self) -> Identity:
+        """Connect, ask who is there and whether an interlock is open; moves nothing."""
+
+    def enable(self) -> None:
+        """Set the controller's own limits, close the loop, hold at rate 0."""
+
+    def set_rate(self, rate_dps: float) -> None:
+        """Ask for a rate and return at once; the table gets there by the station's acceleration."""
+
+    def rate_dps(self) -> float:
+        """The rate that the controller reads back, °/s; a fault that it reports is raised."""
+
+    def position_deg(self) -> float:
+        """The angle that the controller reads back, °."""
+
+    def move_to(self, position_deg: float) -> None:
+        """Ask for an angle and return at once."""
+
+    def stop(self) -> None:
+        """Bring it to rest, whatever it does."""
+
+    def close(self) -> None:
+        """Stop, switch the drive off, disconnect; idempotent."""
+
+
+class PowerSupply(Protocol):
+    """One output of a power supply. `off` and `close` may be called at any time."""
+
+    def open(self) -> Identity:
+        """Connect and ask who is there; an output that is on stays as it is."""
+
+    def set(self, *, voltage_v: float, current_limit_a: float, over_voltage_v: float) -> None:
+        """Set the protection first, then current limit and voltage; read all back."""
+
+    def on(self) -> None:
+        """Switch the output on and return at once."""
+
+    def off(self) -> None:
+        """Switch the output off and return at once."""
+
+    def measure(self) -> Supplied:
+        """Voltage and current at the output, and whether it is held by its current limit or tripped."""
+
+    def close(self) -> None:
+        """Switch the output off and disconnect; idempotent, never raises."""
+
+
+class Chamber(Protocol):
+    """A temperature chamber."""
+
+    def open(self) -> Identity:
+        """Connect and ask who is there."""
+
+    def set_temperature(self, temperature_degc: float) -> None:
+        """Ask for a temperature and return at once."""
+
+    def temperature_degc(self) -> float:
+        """The temperature that the chamber reads back, °C."""
+
+    def close(self) -> None:
+        """Leave it at rest (no heating or cooling) and disconnect; idempotent, never raises."""
+
+
 class Procedure(Protocol):
     """A test kind: what it measures, what it needs acquired, what it makes of it. No I/O.
+
+    It sees one axis at a time: of a gyro with several, `reduce` is called once for each.
 
     `parameters` is the record (a frozen dataclass) that a case's `parameters:` are checked into.
     """

@@ -68,6 +68,9 @@ class Dimension(StrEnum):
     COUNT = "count"
     SCALE_FACTOR_COUNT = "count*s/deg"
     ACCELERATION = "m/s**2"
+    CURRENT = "A"
+    RATE_PER_TEMPERATURE = "deg/s/degC"
+    RATIO_PER_TEMPERATURE = "ppm/degC"
 
     def spoken(self) -> str:
         """Return the name for messages, with its article."""
@@ -86,13 +89,16 @@ _SPOKEN = {
     Dimension.RATE: "an angular rate",
     Dimension.ANGLE_RANDOM_WALK: "an angle random walk",
     Dimension.RATE_RANDOM_WALK: "a rate random walk",
-    Dimension.RATE_RAMP: "a rate ramp",
+    Dimension.RATE_RAMP: "a rate ramp or angular acceleration",
     Dimension.VOLTAGE: "a voltage",
     Dimension.TEMPERATURE: "a temperature",
     Dimension.SCALE_FACTOR_VOLTAGE: "a scale factor in volts per angular rate",
     Dimension.COUNT: "a number of counts",
     Dimension.SCALE_FACTOR_COUNT: "a scale factor in counts per angular rate",
     Dimension.ACCELERATION: "an acceleration",
+    Dimension.CURRENT: "a current",
+    Dimension.RATE_PER_TEMPERATURE: "a rate per temperature",
+    Dimension.RATIO_PER_TEMPERATURE: "a ratio per temperature",
 }
 
 _EXAMPLES = {
@@ -110,6 +116,9 @@ _EXAMPLES = {
     Dimension.COUNT: "131 count",
     Dimension.SCALE_FACTOR_COUNT: "131 count/(deg/s)",
     Dimension.ACCELERATION: "1 g",
+    Dimension.CURRENT: "200 mA",
+    Dimension.RATE_PER_TEMPERATURE: "10 deg/h/degC",
+    Dimension.RATIO_PER_TEMPERATURE: "100 ppm/degC",
 }
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?(?![0-9])")

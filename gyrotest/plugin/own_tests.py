@@ -12,7 +12,7 @@ from gyrotest.errors import AcquisitionError, GyrotestError, InstrumentError
 from gyrotest.plugin.properties import add_properties
 from gyrotest.plugin.session import GyroSession
 from gyrotest.recordings.reader import read_samples
-from gyrotest.records.plan import Plan
+from gyrotest.records.plan import Plan, Step
 from gyrotest.records.recording import Block, Identity, Recording, RecordingHeader, Samples
 from gyrotest.records.result import JudgedResult, Measurand, Result, Verdict
 from gyrotest.records.run import Attempt, Outcome, PlannedItem
@@ -33,7 +33,11 @@ class GyroInstrument:
         self._session = session
         self._serial_number = serial_number
         _stage(
-            session, serial_number, "instrument", 1, Plan(warm_up_s=0.0, interval_s=1.0, samples=3600)
+            session,
+            serial_number,
+            "instrument",
+            1,
+            Plan(warm_up_s=0.0, interval_s=1.0, steps=(Step(samples=3600),)),
         )
 
     @property
@@ -232,7 +236,7 @@ def _plan(duration: str, interval: str) -> Plan:
         raise AcquisitionError(
             f"gyro_acquire: a duration of {duration} is no whole number of intervals of {interval}"
         )
-    return Plan(warm_up_s=0.0, interval_s=interval_s, samples=samples)
+    return Plan(warm_up_s=0.0, interval_s=interval_s, steps=(Step(samples=samples),))
 
 
 def _limit(low: str | None, high: str | None, decision: str, dimension: Dimension) -> Limit | None:

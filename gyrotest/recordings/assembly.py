@@ -10,8 +10,9 @@ from gyrotest.records.recording import Samples, Sampling
 class Assembly:
     """Arrays for `rows` rows, filled part by part. Positions are kept only if one is missing."""
 
-    def __init__(self, rows: int, channels: int, *, own_time: bool) -> None:
-        self._values = np.empty((rows, channels))
+    def __init__(self, rows: int, columns: int, *, own_time: bool) -> None:
+        # Column by column: who works on one axis finds its samples side by side.
+        self._values = np.empty((columns, rows)).T
         self._flags = np.empty(rows, dtype=np.uint8)
         self._time_s = np.empty(rows) if own_time else None
         self._index: NDArray[np.int64] | None = None

@@ -88,7 +88,7 @@ class Journal:
         """End the open segment with the word that says why; nothing may follow in it."""
         if self._segment is not None:
             empty = np.empty(0)
-            columns = [empty.astype(np.int64), *[empty] * (1 + len(self._header.sampling.channels))]
+            columns = [empty.astype(np.int64), *[empty] * (1 + len(self._header.sampling.columns))]
             self._write([*columns, empty.astype(np.uint8)], outcome)
             self._segment.finish()
             self._segment = None

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.errors import RecordingError
-from gyrotest.records.recording import Gap, Identity, RecordingHeader, Sampling
+from gyrotest.records.recording import Auxiliary, Gap, Identity, RecordingHeader, Sampling
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -52,7 +52,7 @@ def recording_schema(header: RecordingHeader, extra: Mapping[bytes, bytes]) -> "
         pa.field("index", pa.int64(), nullable=False),
         pa.field("time_s", pa.float64(), nullable=False),
     ]
-    fields += [pa.field(name, pa.float64(), nullable=False) for name in header.sampling.channels]
+    fields += [pa.field(name, pa.float64(), nullable=False) for name in header.sampling.columns]
     fields.append(pa.field("flags", pa.uint8(), nullable=False))
     return pa.schema(fields, metadata=metadata)
 
@@ -119,7 +119,12 @@ def _metadata_crc(metadata: Mapping[bytes, bytes]) -> bytes:
 def header_from_json(text: bytes) -> RecordingHeader:
     """The header out of its JSON."""
     plain = json.loads(text)
-    sampling = plain["sampling"] | {"channels": tuple(plain["sampling"]["channels"])}
+    sampling = plain["sampling"]
+    sampling |= {
+        "channels": tuple(sampling["channels"]),
+        "auxiliary": tuple(Auxiliary(**one) for one in sampling.get("auxiliary", ())),
+        "offsets_s": tuple(sampling.get("offsets_s", ())),
+    }
     return RecordingHeader(
         **plain
         | {

@@ -78,7 +78,7 @@ def write(path: Path, header: RecordingHeader, gaps: Iterable[Gap], parts: Itera
 
     schema = recording_schema(header, {GAPS_KEY: gaps_to_json(gaps)})
     floats = {"time_s": "BYTE_STREAM_SPLIT"} | dict.fromkeys(
-        header.sampling.channels, "BYTE_STREAM_SPLIT"
+        header.sampling.columns, "BYTE_STREAM_SPLIT"
     )
     with (
         path.open("xb") as stream,

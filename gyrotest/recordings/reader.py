@@ -54,7 +54,7 @@ def read_samples(path: Path, *, sampling: Sampling | None = None, own_time: bool
     """
     header = read_header(path)
     rows = parquet.read_facts(path).rows if path.is_file() else _count(path)
-    assembly = Assembly(rows, len(header.sampling.channels), own_time=own_time)
+    assembly = Assembly(rows, len(header.sampling.columns), own_time=own_time)
     for part in iterate(path):
         assembly.add(part)
     return assembly.samples(sampling or header.sampling)

@@ -35,7 +35,7 @@ def _utc() -> datetime:
 
 def free_space_needed(header: RecordingHeader) -> int:
     """Bytes that a recording may need on the disk while its segments become Parquet."""
-    row = 8 + 8 + 8 * len(header.sampling.channels) + 1
+    row = 8 + 8 + 8 * len(header.sampling.columns) + 1
     batches = min(
         header.planned_samples, int(header.planned_samples * header.sampling.interval_s / GATHER_S)
     )
@@ -206,7 +206,7 @@ class RecordingWriter:
                 f"{self._folder}: sample {block.first} comes after sample {self._next_index - 1}; "
                 f"positions only go forward"
             )
-        expected = (len(block.flags), len(self._header.sampling.channels))
+        expected = (len(block.flags), len(self._header.sampling.columns))
         if block.values.shape != expected or block.time_s.shape != expected[:1]:
             raise RecordingError(
                 f"{self._folder}: a block has {block.values.shape} values, {block.time_s.shape} times; "

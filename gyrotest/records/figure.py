@@ -73,6 +73,17 @@ class Mark:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Points:
+    """Single points with their expanded uncertainties as bars (empty: none); `series` as of curves."""
+
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+    u: tuple[float, ...] = ()
+    label: str = ""
+    series: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Bars:
     """A histogram: `edges` has one more entry than `heights`."""
 
@@ -92,6 +103,7 @@ class Panel:
     curves: tuple[Curve, ...] = ()
     bands: tuple[Band, ...] = ()
     bars: Bars | None = None
+    points: tuple[Points, ...] = ()
     marks: tuple[Mark, ...] = ()
     note: str = ""
     legend: bool = False
@@ -101,10 +113,12 @@ class Panel:
 class Figure:
     """Panels above one another that share their x axis, with a title, a note beside it and a caption.
 
-    A `table` is printed beneath them; it may stand alone.
+    A `table` is printed beneath them; it may stand alone. `axis` is the axis that it shows (empty for
+    a single-axis gyro).
     """
 
     name: str
+    axis: str = ""
     title: str
     panels: tuple[Panel, ...]
     note: str = ""

@@ -15,6 +15,8 @@ class SampleFlag(IntFlag):
     GOOD = 0
     OVERLOAD = 1
     NOT_A_NUMBER = 2
+    START_UP = 4
+    FAULT = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,13 +40,23 @@ class Identity:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Auxiliary:
+    """What is recorded beside the gyro's output: a temperature, a reference rate."""
+
+    name: str
+    unit: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Sampling:
     """How a source really samples, read back from it.
 
     `interval_s` between two samples; each sample is the mean of `readings` readings, every one of
     which integrates for `aperture_s`. `readings == 1` and `aperture_s == interval_s` is gap-free.
-    `noise` is the source's own rms noise of one sample and `range` its range, both in `unit`;
-    None where not known.
+    `channels` are the outputs, all in `unit`; for a gyro of several axes they bear the axes' names.
+    `auxiliary` follows them. `offsets_s` is how much later than the first column each one is sampled
+    (empty: all at once). `noise` is the source's own rms noise of one sample and `range` its range,
+    both in `unit`; None where not known.
     """
 
     interval_s: float
@@ -52,8 +64,15 @@ class Sampling:
     readings: int = 1
     unit: str = "V"
     channels: tuple[str, ...] = ("output",)
+    auxiliary: tuple[Auxiliary, ...] = ()
+    offsets_s: tuple[float, ...] = ()
     noise: float | None = None
     range: float | None = None
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The names of all columns: outputs, then auxiliaries."""
+        return (*self.channels, *(one.name for one in self.auxiliary))
 
     @property
     def effective_aperture_s(self) -> float:
@@ -72,8 +91,8 @@ class Block:
 
     `first` is the position of the first sample on the acquisition's grid (0-based); a jump between
     blocks is a gap. `time_s` (n,) is the begin of each sample on the monotonic clock in seconds
-    since the acquisition's start; `values` (n, channels) in `Sampling.unit`; `flags` (n,)
-    `SampleFlag` as uint8.
+    since the acquisition's start; `values` (n, columns) in `Sampling.unit`, auxiliaries in their own;
+    `flags` (n,) `SampleFlag` as uint8.
     """
 
     first: int
@@ -89,6 +108,27 @@ class Gap:
     after: int
     missing: int
     reason: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dwell:
+    """A step of a plan as it was carried out.
+
+    Its samples have the positions `first` … `first + samples - 1` and began `began_s` after the
+    recording did, `settling_s` after the stimulus was asked for. `rate_dps` and `temperature_degc`
+    are what was asked for, the measured ones means of what the instrument read back (None: no such
+    stimulus, or nothing read back).
+    """
+
+    name: str
+    first: int
+    samples: int
+    began_s: float
+    settling_s: float = 0.0
+    rate_dps: float | None = None
+    measured_rate_dps: float | None = None
+    temperature_degc: float | None = None
+    measured_temperature_degc: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,6 +162,7 @@ class Recording:
     samples: int
     complete: bool
     gaps: tuple[Gap, ...] = ()
+    dwells: tuple[Dwell, ...] = ()
     flagged: int = 0
     largest_lateness_s: float | None = None
 
@@ -130,8 +171,8 @@ class Recording:
 class Samples:
     """A recording's samples in memory, as a procedure's `reduce` gets them.
 
-    `values` (n, channels), `index` (n,) positions on the grid; both read-only. `time_s` (n,) only
-    where the source's own time stamps count (a replayed file with a time column).
+    `values` (n, columns), each column contiguous, `index` (n,) positions on the grid; both read-only.
+    `time_s` (n,) only where the source's own time stamps count (a replayed file with a time column).
     """
 
     sampling: Sampling

@@ -80,10 +80,14 @@ class JudgedLimit:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JudgedResult:
-    """A result of a case, the limit on it (or None) and the verdict (None: for information)."""
+    """A result of a case, the limit on it (or None) and the verdict (None: for information).
+
+    `axis` is the axis that it belongs to (empty for a single-axis gyro).
+    """
 
     case: str
     repeat: int | None
+    axis: str = ""
     name: str
     label: str
     value: float | None

@@ -44,6 +44,14 @@ class InstrumentUse:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ExportedFile:
+    """A file for other programs, relative to the run's folder, and its SHA-256 (hex)."""
+
+    path: str
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Attempt:
     """One try at an item: results where it was judged, a message where it was not.
 
@@ -67,6 +75,7 @@ class Attempt:
     truth: Mapping[str, float] = field(default_factory=dict)
     results: tuple[JudgedResult, ...] = ()
     figures: tuple[Figure, ...] = ()
+    exports: tuple[ExportedFile, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,12 +8,23 @@ from typing import Annotated, Any, ClassVar
 from gyrotest.records.described import Described
 from gyrotest.units import Dimension, OfDimension, Quantity
 
+_OFF_TIME = Quantity(10.0, "s")
+
 
 class OutputKind(StrEnum):
     """What the gyro gives out."""
 
     VOLTAGE = "voltage"
     RATE = "rate"
+    COUNT = "count"
+
+
+class OutputMode(StrEnum):
+    """What a digital gyro's samples are; all of them are turned into rates."""
+
+    RATE = "rate"
+    INCREMENTAL_ANGLE = "incremental_angle"
+    AVERAGE_RATE = "average_rate"
 
 
 class DecisionRule(StrEnum):
@@ -51,13 +62,26 @@ class Output:
     __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
 
     kind: Annotated[
-        OutputKind, Described("What the gyro gives out: a voltage, or a rate as numbers.", "voltage")
+        OutputKind,
+        Described("What the gyro gives out: a voltage, a rate as numbers, or bare counts.", "voltage"),
     ]
+    axes: Annotated[
+        tuple[str, ...],
+        Described(
+            "Names of the sensitive axes, where there are several, as the source names them; each is analysed, "
+            "judged and printed.",
+            "[x, y, z]",
+        ),
+    ] = ()
+    mode: Annotated[
+        OutputMode,
+        Described("What a digital gyro's samples are; a unit that is set otherwise is refused."),
+    ] = OutputMode.RATE
     scale_factor: Annotated[
         Quantity | None,
-        OfDimension(Dimension.SCALE_FACTOR_VOLTAGE, Dimension.NUMBER),
+        OfDimension(Dimension.SCALE_FACTOR_VOLTAGE, Dimension.NUMBER, Dimension.SCALE_FACTOR_COUNT),
         Described(
-            "Nominal output per input rate, signed. A voltage output needs it; for a rate it is a ratio."
+            "Nominal output per input rate, signed. Voltages and counts need it; for a rate it is a ratio."
         ),
     ] = None
     scale_factor_uncertainty: Annotated[
@@ -70,7 +94,7 @@ class Output:
     ] = None
     zero_rate: Annotated[
         Quantity | None,
-        OfDimension(Dimension.VOLTAGE, Dimension.RATE),
+        OfDimension(Dimension.VOLTAGE, Dimension.RATE, Dimension.COUNT),
         Described("Nominal output at rest, subtracted from every sample."),
     ] = None
     full_scale: Annotated[
@@ -85,6 +109,33 @@ class Output:
             "The gyro's −3 dB bandwidth; decides whether noise may be corrected for the meter's dead time."
         ),
     ] = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Supply:
+    """How the model is powered, where the station has a power supply for its slot."""
+
+    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
+
+    voltage: Annotated[Quantity, OfDimension(Dimension.VOLTAGE), Described("Supply voltage.", "5 V")]
+    current_limit: Annotated[
+        Quantity,
+        OfDimension(Dimension.CURRENT),
+        Described("Current limit; a unit that reaches it is an error.", "200 mA"),
+    ]
+    over_voltage: Annotated[
+        Quantity,
+        OfDimension(Dimension.VOLTAGE),
+        Described("Over-voltage protection, set before anything else.", "5.5 V"),
+    ]
+    off_time: Annotated[
+        Quantity,
+        OfDimension(Dimension.TIME),
+        Described(
+            "How long the unit stays off in a power cycle, once its voltage has fallen below a tenth of a volt.",
+            "10 s",
+        ),
+    ] = _OFF_TIME
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -164,6 +215,29 @@ class Case:
             "[1, 0, 0]",
         ),
     ] = None
+    mountings: Annotated[
+        Mapping[str, tuple[float, float, float]],
+        Described(
+            "Of a gyro with several axes: the direction of each, as `mounting` gives it for one.",
+            "{x: [0, 1, 0], y: [0, 0, 1], z: [1, 0, 0]}",
+        ),
+    ] = field(default_factory=dict)
+    axes: Annotated[
+        tuple[str, ...],
+        Described(
+            "Which of the output's axes this case judges; all by default. On a rate table the one along its axis.",
+            "[z]",
+        ),
+    ] = ()
+    allowed_loss: Annotated[
+        Quantity | None,
+        OfDimension(Dimension.NUMBER),
+        Described(
+            "Share of the samples that may be lost on the way; more ends the acquisition. Without it any number "
+            "may, and `gaps` says what becomes of them.",
+            "10 ppm",
+        ),
+    ] = None
     gaps: Annotated[
         Gaps,
         Described("What an analysis that needs uniform samples does where some are missing."),
@@ -193,6 +267,13 @@ class Spec:
     cases: Annotated[
         Mapping[str, Case], Described("What is tested: a name for each case, and the case.")
     ]
+    supply: Annotated[
+        Supply | None,
+        Described(
+            "How the model is powered. Without it a station's power supply is left alone.",
+            "{voltage: 5 V, current_limit: 200 mA, over_voltage: 5.5 V}",
+        ),
+    ] = None
     description: Annotated[
         str, Described("What the model is, in a line.", "Single-axis analogue MEMS gyro")
     ] = ""

@@ -8,6 +8,8 @@ from typing import Annotated, Any, ClassVar
 from gyrotest.records.described import Described
 from gyrotest.units import Dimension, OfDimension, Quantity
 
+_NOTHING = Quantity(0.0, "%")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Calibration:
@@ -38,12 +40,43 @@ class Accuracy:
     of_range: Annotated[
         Quantity,
         OfDimension(Dimension.NUMBER),
-        Described("Half-width in proportion to the range.", "5 ppm"),
-    ]
+        Described("Half-width in proportion to the range; of a meter.", "5 ppm"),
+    ] = _NOTHING
+    of_setting: Annotated[
+        Quantity | None,
+        OfDimension(Dimension.RATE, Dimension.TEMPERATURE),
+        Described(
+            "Half-width of each setting's own error, not in proportion to it; of a rate table or a chamber.",
+            "0.0005 deg/s",
+        ),
+    ] = None
     noise: Annotated[
         Quantity | None,
         OfDimension(Dimension.VOLTAGE, Dimension.RATE),
         Described("Standard deviation of one reading with the settings below, input shorted.", "3 uV"),
+    ] = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motion:
+    """What a rate table, its cables and what is mounted on it may do; nothing beyond is ever sent."""
+
+    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
+
+    max_rate: Annotated[
+        Quantity, OfDimension(Dimension.RATE), Described("Greatest rate of either sign.", "200 deg/s")
+    ]
+    max_acceleration: Annotated[
+        Quantity,
+        OfDimension(Dimension.RATE_RAMP),
+        Described("Acceleration of run-up and run-down.", "100 deg/s/s"),
+    ]
+    slip_ring: Annotated[
+        bool, Described("Whether the cables pass a slip ring, so that the table may turn for ever.")
+    ] = False
+    max_turns: Annotated[
+        float | None,
+        Described("Without a slip ring: how far it may turn from where it starts, either way.", "3"),
     ] = None
 
 
@@ -66,6 +99,13 @@ class Instrument:
     accuracy: Annotated[
         Accuracy | None,
         Described("Accuracy by the datasheet; without it the uncertainty names it as not included."),
+    ] = None
+    motion: Annotated[
+        Motion | None,
+        Described(
+            "Of a rate table: how far and how fast it may turn.",
+            "{max_rate: 200 deg/s, max_acceleration: 100 deg/s/s, slip_ring: true}",
+        ),
     ] = None
     io_timeout: Annotated[
         Quantity | None,
@@ -95,6 +135,30 @@ class Slot:
     channel: Annotated[
         str | None, Described("The instrument's channel, where it has several.", "'101'")
     ] = None
+    auxiliary: Annotated[
+        Mapping[str, str],
+        Described(
+            "Other channels of the instrument that are recorded beside: a name for each, and the channel.",
+            "{temperature: '102'}",
+        ),
+    ] = field(default_factory=dict)
+    table: Annotated[
+        str | None, Described("The rate table that carries the unit, by its name in this file.")
+    ] = None
+    supply: Annotated[
+        str | None, Described("The power supply that feeds the unit, by its name in this file.")
+    ] = None
+    supply_output: Annotated[int, Described("The supply's output, where it has several.", "1")] = 1
+    chamber: Annotated[
+        str | None, Described("The temperature chamber around the unit, by its name in this file.")
+    ] = None
+    models: Annotated[
+        tuple[str, ...],
+        Described(
+            "Models that fit here. A model that some slot names goes there, any other where none are named.",
+            "[STIM210]",
+        ),
+    ] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -131,6 +195,10 @@ class Simulation:
     gyro: Annotated[Mapping[str, Any], Described("The simulated gyro's true figures.")] = field(
         default_factory=dict
     )
+    models: Annotated[
+        Mapping[str, Mapping[str, Any]],
+        Described("True figures of a model, in place of those of `gyro`, by the model's name."),
+    ] = field(default_factory=dict)
     instruments: Annotated[
         Mapping[str, Mapping[str, Any]],
         Described("The simulated instruments' true figures, by the instrument's name in this file."),

@@ -18,7 +18,7 @@ from gyrotest.procedures.static.parameters import (
     static_measurands,
 )
 from gyrotest.procedures.static.record import static_record
-from gyrotest.records.plan import Context, Plan, Reduction
+from gyrotest.records.plan import Context, Plan, Reduction, Step
 from gyrotest.records.recording import Samples
 from gyrotest.records.result import Measurand, Result
 from gyrotest.records.spec import Case, Output
@@ -47,7 +47,7 @@ class Static:
         return Plan(
             warm_up_s=0.0 if case.warm_up is None else case.warm_up.to("s"),
             interval_s=interval_s,
-            samples=round(case.duration.to("s") / interval_s),
+            steps=(Step(samples=round(case.duration.to("s") / interval_s)),),
         )
 
     def reduce(self, samples: Samples, context: Context) -> Reduction:

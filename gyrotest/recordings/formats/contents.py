@@ -38,7 +38,7 @@ def contents(path: Path, *, skip_rows: int = 0) -> tuple[Table, ...]:
     """Return the tables of numbers that a file holds; raises `RecordingError`."""
     form = detect(path)
     if form is Format.OWN:
-        return (Table(array="", columns=read_header(path).sampling.channels),)
+        return (Table(array="", columns=read_header(path).sampling.columns),)
     if form is Format.TEXT:
         return (Table(array="", columns=read_head(path, skip_rows=skip_rows, wanted=()).names),)
     if form in (Format.PARQUET, Format.ARROW):

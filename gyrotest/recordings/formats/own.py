@@ -14,7 +14,7 @@ def read_own(path: Path, selection: Selection) -> Iterator[Part]:
     """Yield a channel's samples; the rows' numbers are positions on the grid, so that gaps show."""
     if selection.where or selection.array or selection.time_column is not None:
         raise RecordingError(f"{path}: is a recording of gyrotest; only 'column' chooses in it")
-    channel = find_column(selection.column, read_header(path).sampling.channels, path)
+    channel = find_column(selection.column, read_header(path).sampling.columns, path)
     for rows in iterate(path):
         # A flagged sample is not a measured value, whatever number stands there.
         yield Part(row=rows.index, values=np.where(rows.flags == 0, rows.values[:, channel], np.nan))

@@ -19,7 +19,7 @@ from gyrotest.errors import (
     OverloadError,
     RecordingError,
 )
-from gyrotest.records.plan import Plan
+from gyrotest.records.plan import Plan, Step
 from gyrotest.records.recording import (
     Block,
     Identity,
@@ -110,7 +110,7 @@ def _acquisition(folder: Path, clock: VirtualClock, bench: Bench) -> Acquisition
         model="MEMS50",
         spec_sha256="0" * 64,
         started_utc=datetime(2026, 1, 1, tzinfo=UTC),
-        planned_samples=SAMPLES,
+        planned_steps=(Step(samples=SAMPLES),),
         sampling=SAMPLING,
         source=IDENTITY,
     )
@@ -120,7 +120,7 @@ def _acquisition(folder: Path, clock: VirtualClock, bench: Bench) -> Acquisition
         progress=Silence(),
         run_folder=folder,
         header=header,
-        plan=Plan(warm_up_s=0.0, interval_s=1.0, samples=SAMPLES),
+        plan=Plan(warm_up_s=0.0, interval_s=1.0, steps=(Step(samples=SAMPLES),)),
     )
 
 

@@ -1,0 +1,27 @@
+"""What instruments of the bench say of themselves and of the unit under test."""
+
+from dataclasses import dataclass
+
+from gyrotest.records.spec import OutputMode
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Device:
+    """A digital gyro by its own words; None where it cannot be asked."""
+
+    serial_number: str | None = None
+    part_number: str | None = None
+    mode: OutputMode | None = None
+    range_dps: float | None = None
+    bandwidth_hz: float | None = None
+    sample_rate_hz: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Supplied:
+    """What a power supply's output gives."""
+
+    voltage_v: float
+    current_a: float
+    limiting: bool = False
+    tripped: bool = False
