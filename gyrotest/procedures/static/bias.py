@@ -1,21 +1,15 @@
-"""The bias with its uncertainty budget, and its spread over repeats."""
+"""The bias with its uncertainty budget."""
 
 import math
 
-import numpy as np
-
 from gyrotest.analysis.earth import earth_share_dps
-from gyrotest.analysis.interval import coverage_factor, deviation_bounds
+from gyrotest.analysis.interval import coverage_factor
 from gyrotest.analysis.noise import NoiseModel
-from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.static.budget import bias_budget, missing_contributions
-from gyrotest.procedures.static.parameters import run_to_run_name
 from gyrotest.procedures.static.record import StaticRecord
-from gyrotest.procedures.static.spread import Spread, spread_result
 from gyrotest.procedures.static.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Contribution, Result
-from gyrotest.units import conversion_factor
 
 _MINUS = "\N{MINUS SIGN}"
 
@@ -66,35 +60,3 @@ def _effective_freedom(budget: tuple[Contribution, ...], combined: float) -> flo
         if one.degrees_of_freedom is not None
     )
     return combined**4 / shares if shares > 0.0 else math.inf
-
-
-def bias_over_repeats(repeats: tuple[tuple[Result, ...], ...], context: Context) -> Result:
-    """Return the sample standard deviation of the bias over repeats; raises `InsufficientDataError`."""
-    biases_dph = [
-        one.value * conversion_factor(one.unit, "deg/h")
-        for results in repeats
-        for one in results
-        if one.name == "bias" and one.value is not None and math.isfinite(one.value)
-    ]
-    if len(biases_dph) < max(len(repeats), 2):
-        raise InsufficientDataError(
-            f"{context.case_name}: {len(biases_dph)} of {len(repeats)} repeats have a bias;"
-            " its spread needs at least 2, and all of them"
-        )
-    if len(set(biases_dph)) == 1:
-        raise InsufficientDataError(
-            f"{context.case_name}: all {len(repeats)} repeats have the same bias to the last digit, as the same"
-            " samples would give; was a recorded file played again?"
-        )
-    deviation = float(np.std(biases_dph, ddof=1))
-    bounds = deviation_bounds(deviation, len(biases_dph) - 1, confidence=0.95)
-    name = run_to_run_name(context.case)
-    cycled = name == "bias_repeatability"
-    return spread_result(
-        Spread(value=deviation, lower=float(bounds.lower), upper=float(bounds.upper)),
-        name=name,
-        label="Bias repeatability" if cycled else "Bias, run to run",
-        unit="deg/h",
-        condition=f"{len(biases_dph)} repeats, {'with' if cycled else 'no'} power cycle between",
-        context=context,
-    )

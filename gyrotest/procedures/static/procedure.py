@@ -3,7 +3,8 @@
 from collections.abc import Iterable
 from typing import Any
 
-from gyrotest.procedures.static.bias import bias_over_repeats, bias_result
+from gyrotest.procedures.static.bias import bias_result
+from gyrotest.procedures.static.bias_over_repeats import bias_over_repeats
 from gyrotest.procedures.static.figures import static_figures
 from gyrotest.procedures.static.noise_results import (
     analyse_noise,
