@@ -29,11 +29,17 @@ class _Finding:
 
 
 def judge(
-    measurand: Measurand, result: Result | None, limit: Limit | None, *, case: str, repeat: int | None
+    measurand: Measurand,
+    result: Result | None,
+    limit: Limit | None,
+    *,
+    case: str,
+    repeat: int | None,
+    axis: str = "",
 ) -> JudgedResult:
     """Hold a result against its limit, in the limit's unit; a limit of None judges nothing.
 
-    What is missing, not a number or infinite never passes: it is INCOMPLETE, with the reason.
+    `axis` is the axis that the result belongs to (empty for a single-axis gyro). What is missing, not a number or infinite never passes: it is INCOMPLETE, with the reason.
     """
     unit = _unit(measurand, limit)
     applied = _applied(limit, unit)
@@ -44,6 +50,7 @@ def judge(
         reason = "not measured"
     else:
         judged, reason = _converted(result, unit, case, repeat)
+    judged = replace(judged, axis=axis)
     if limit is None or applied is None:
         return replace(judged, reason=reason)
     finding = _Finding(verdict=Verdict.INCOMPLETE, reason=reason) if reason else _decide(judged, applied)
@@ -56,11 +63,14 @@ def worst(verdicts: Iterable[Verdict]) -> Verdict:
 
 
 def line(judged: JudgedResult) -> str:
-    """Return a result with its limit in one line: `noise = 12.5 °/h [11.7, 13.6], limit ≤ 10 °/h`."""
+    """Return a result with its limit in one line: `noise = 12.5 °/h [11.7, 13.6], limit ≤ 10 °/h`.
+
+    Of a gyro with several axes: `noise (axis x) = …`.
+    """
+    name = f"{judged.name} (axis {judged.axis})" if judged.axis else judged.name
     if judged.value is None:
-        text = f"{judged.name}: {judged.reason or 'not evaluated'}"
-        return text + _limit_text(judged.limit)
-    text = f"{judged.name} {'≤' if judged.at_most else '='} {_value_text(judged)}{_limit_text(judged.limit)}"
+        return f"{name}: {judged.reason or 'not evaluated'}{_limit_text(judged.limit)}"
+    text = f"{name} {'≤' if judged.at_most else '='} {_value_text(judged)}{_limit_text(judged.limit)}"
     return f"{text} ({judged.reason})" if judged.reason else text
 
 

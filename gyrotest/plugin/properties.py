@@ -15,12 +15,15 @@ def clear_properties(item: pytest.Item) -> None:
 
 
 def add_properties(item: pytest.Item, results: Iterable[JudgedResult]) -> None:
-    """Report results: value with unit, and limit and verdict where there is a limit."""
+    """Report results: value with unit, and limit and verdict where there is a limit.
+
+    They are named `gyro.bias`, of a gyro with several axes `gyro.x.bias`.
+    """
     item.user_properties.extend(pair for one in results for pair in _pairs(one))
 
 
 def _pairs(result: JudgedResult) -> Iterator[tuple[str, str]]:
-    name = f"{_PREFIX}{result.name}"
+    name = f"{_PREFIX}{result.axis}.{result.name}" if result.axis else f"{_PREFIX}{result.name}"
     yield name, "none" if result.value is None else f"{result.value!r} {result.unit}"
     if result.limit is not None:
         yield f"{name}.limit", _limit(result.limit)

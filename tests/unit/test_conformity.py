@@ -210,3 +210,13 @@ def test_of_no_verdict_at_all_the_worst_is_incomplete() -> None:
 )
 def test_a_result_reads_in_one_line(found: JudgedResult, text: str) -> None:
     assert line(found) == text
+
+
+def test_a_result_of_several_axes_names_its_own() -> None:
+    result = Result(name="noise", label="Noise", value=12.5, unit="deg/h")
+    found = judge(MEASURAND, result, limit(high=10.0), case="static", repeat=1, axis="x")
+    assert found.axis == "x"
+    assert line(found) == "noise (axis x) = 12.5 °/h, limit ≤ 10 °/h"
+    missing = judge(MEASURAND, None, limit(high=10.0), case="static", repeat=1, axis="z")
+    assert missing.axis == "z"
+    assert line(missing) == "noise (axis z): not measured, limit ≤ 10 °/h"
