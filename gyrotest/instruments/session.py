@@ -13,10 +13,14 @@ from gyrotest.records.recording import Identity
 _OPEN_TIMEOUT_S = 3.0
 _REPLY_TIMEOUT_S = 5.0
 _MOST_STALE_LINES = 5
+_RESET = "*CLS;*RST"
 
 
 class Session:
-    """Opens and reopens the way to one instrument, whose identity it checks each time."""
+    """Opens and reopens the way to one instrument, whose identity it checks each time.
+
+    `reset` is sent after each opening; an instrument whose state must not be lost has a milder one.
+    """
 
     def __init__(
         self,
@@ -26,8 +30,10 @@ class Session:
         line: SerialLine | None = None,
         serial_number: str | None = None,
         io_timeout_s: float | None = None,
+        reset: str = _RESET,
         connect: Connect = open_channel,
     ) -> None:
+        self._reset_command = reset
         self._resource = resource
         self._expected = expected
         self._line = SerialLine() if line is None else line
@@ -120,4 +126,4 @@ class Session:
     def _reset(self) -> None:
         if self.talk.channel.remote_by_command:
             self.talk.write("SYST:REM")
-        self.talk.write("*CLS;*RST")
+        self.talk.write(self._reset_command)
