@@ -14,7 +14,7 @@ from gyrotest.certificate.numbers import printed
 from gyrotest.offline.record import RateRecord
 from gyrotest.offline.sources import Source
 from gyrotest.procedures.static.soundness import regularity_complaint
-from gyrotest.procedures.static.wording import engineering, plain
+from gyrotest.procedures.wording import engineering, plain
 from gyrotest.units import Quantity
 
 _IMPROBABLE = 0.001

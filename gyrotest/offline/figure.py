@@ -15,7 +15,7 @@ from gyrotest.procedures.allan_curves import (
 )
 from gyrotest.procedures.static.terms import ANGLE_WALK, TERMS, Term
 from gyrotest.procedures.static.time_figures import Unit, rate_unit
-from gyrotest.procedures.static.wording import plain
+from gyrotest.procedures.wording import plain
 from gyrotest.records.figure import Curve, Figure, Mark, Panel, Role, Scale
 from gyrotest.units import Quantity, printed_unit
 

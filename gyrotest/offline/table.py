@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from gyrotest.certificate.numbers import plain, printed, significant
 from gyrotest.offline.analysis import Analysis
 from gyrotest.offline.readings import Reading, readings
-from gyrotest.procedures.static.wording import engineering
+from gyrotest.procedures.wording import engineering
 from gyrotest.units import printed_unit
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from gyrotest.procedures.static.record import StaticRecord
 from gyrotest.procedures.static.terms import ANGLE_WALK, TERMS
 from gyrotest.procedures.static.terms_table import terms_table
 from gyrotest.procedures.static.time_figures import Unit, rate_unit
-from gyrotest.procedures.static.wording import plain
+from gyrotest.procedures.wording import plain
 from gyrotest.records.figure import Curve, Figure, Mark, Panel, Role, Scale
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result

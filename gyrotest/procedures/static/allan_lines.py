@@ -10,7 +10,7 @@ from gyrotest.procedures.static.noise_results import NoiseAnalysis
 from gyrotest.procedures.static.record import StaticRecord
 from gyrotest.procedures.static.terms import ANGLE_WALK, BIAS_INSTABILITY, TERMS, Term
 from gyrotest.procedures.static.time_figures import Unit
-from gyrotest.procedures.static.wording import plain
+from gyrotest.procedures.wording import plain
 from gyrotest.records.figure import Curve, Role
 from gyrotest.units import Quantity, printed_unit
 

@@ -7,7 +7,7 @@ from gyrotest.analysis.interval import coverage_factor
 from gyrotest.analysis.noise import NoiseModel
 from gyrotest.procedures.static.budget import bias_budget, missing_contributions
 from gyrotest.procedures.static.record import StaticRecord
-from gyrotest.procedures.static.wording import plain
+from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Contribution, Result
 

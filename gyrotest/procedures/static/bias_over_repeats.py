@@ -6,7 +6,7 @@ from gyrotest.analysis.repeatability import Repeatability, repeatability
 from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.static.parameters import run_to_run_name
 from gyrotest.procedures.static.spread import Spread, spread_result
-from gyrotest.procedures.static.wording import plain
+from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
 from gyrotest.records.spec import Between

@@ -8,11 +8,11 @@ from gyrotest.analysis.mean import mean_uncertainty
 from gyrotest.analysis.noise import NoiseModel
 from gyrotest.analysis.resolution import mean_half_width
 from gyrotest.procedures.static.record import StaticRecord
-from gyrotest.procedures.static.wording import engineering, plain
+from gyrotest.procedures.wording import engineering, plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Contribution
 from gyrotest.records.spec import OutputKind
-from gyrotest.units import Quantity
+from gyrotest.units import Quantity, printed_unit
 
 POINTING_DEG = 1.0
 """How far the sensitive axis is assumed to point from where mounting and site say."""
@@ -85,7 +85,7 @@ def _of_indication(what: str, share: Quantity, of: float, record: StaticRecord) 
     scaling = record.scaling
     half_width = share.to("") * abs(of)
     slope = abs(1.0 / scaling.scale_factor)
-    unit = "" if scaling.unit == "deg/s" else " (°/s)/V"
+    unit = "" if scaling.unit == "deg/s" else f" (°/s)/{printed_unit(scaling.unit)}"
     return _rectangular(
         f"meter, {share} of {what}",
         _rate_text(half_width) if scaling.unit == "deg/s" else engineering(half_width, scaling.unit),

@@ -27,7 +27,7 @@ from gyrotest.procedures.static.terms import (
     RATE_WALK,
     Term,
 )
-from gyrotest.procedures.static.wording import engineering, freedom, plain
+from gyrotest.procedures.wording import engineering, freedom, plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
 from gyrotest.units import Quantity

@@ -10,27 +10,13 @@ from gyrotest.analysis.continuity import Stretch, stretches_by_index, stretches_
 from gyrotest.analysis.noise import SHORTEST_RECORD
 from gyrotest.analysis.resolution import digital_step
 from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.scaling import Scaling, output_scaling
 from gyrotest.procedures.static.parameters import StaticParameters
 from gyrotest.procedures.static.soundness import refuse_bad, refuse_lifeless, rounding_complaint
-from gyrotest.procedures.static.wording import plain
+from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import Samples, Sampling
-from gyrotest.records.spec import Gaps, Output, OutputKind
-from gyrotest.units import conversion_factor, printed_unit, same_dimension
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Scaling:
-    """From an indication to a rate: `(indication·to_canonical − zero)/scale_factor`."""
-
-    to_canonical: float
-    zero: float
-    scale_factor: float
-    unit: str
-
-    def spread_dps(self, indication: float) -> float:
-        """Return a spread (always positive) of the indication as a rate, °/s."""
-        return abs(indication * self.to_canonical / self.scale_factor)
+from gyrotest.records.spec import Gaps
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +72,7 @@ def static_record(samples: Samples, context: Context, parameters: StaticParamete
     whole = len(stretches) == 1
     note = "" if whole else f"longest gap-free stretch, {used.size} of {window.size} samples"
     return StaticRecord(
-        rate_dps=_rates(values, scaling),
+        rate_dps=scaling.rates_dps(values),
         begin_s=_begin_s(samples, used.start),
         sampling=sampling,
         scaling=scaling,
@@ -102,40 +88,6 @@ def static_record(samples: Samples, context: Context, parameters: StaticParamete
             f" {_position(samples, context, used.stop - 1)}.",
         ),
     )
-
-
-def output_scaling(output: Output, unit: str) -> Scaling:
-    """Return how an indication in a unit becomes a rate."""
-    voltage = output.kind is OutputKind.VOLTAGE
-    canonical = "V" if voltage else "deg/s"
-    scale_factor = 1.0
-    if output.scale_factor is not None:
-        scale_factor = output.scale_factor.to("V*s/deg" if voltage else "")
-    elif voltage:
-        raise InsufficientDataError("output.scale_factor is not given; a voltage is no rate without it")
-    if not same_dimension(unit, canonical):
-        raise InsufficientDataError(
-            f"the source gives '{printed_unit(unit)}', and the spec's output is a {output.kind.value}:"
-            " correct 'output.kind', or the unit in the station"
-        )
-    return Scaling(
-        to_canonical=conversion_factor(unit, canonical),
-        zero=0.0 if output.zero_rate is None else output.zero_rate.to(canonical),
-        scale_factor=scale_factor,
-        unit=canonical,
-    )
-
-
-def _rates(values: NDArray[np.float64], scaling: Scaling) -> NDArray[np.float64]:
-    """Scale in place of one new array, or take the values as they are."""
-    factor = scaling.to_canonical / scaling.scale_factor
-    offset = scaling.zero / scaling.scale_factor
-    if factor == 1.0 and offset == 0.0:
-        return values
-    rate = values * factor
-    rate -= offset
-    rate.setflags(write=False)
-    return rate
 
 
 def _window(samples: Samples, parameters: StaticParameters) -> Stretch:

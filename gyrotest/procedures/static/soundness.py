@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from gyrotest.analysis.continuity import stuck_stretch
 from gyrotest.analysis.noise_model import NoiseModel
 from gyrotest.errors import InsufficientDataError
-from gyrotest.procedures.static.wording import engineering, plain
+from gyrotest.procedures.wording import engineering, plain
 from gyrotest.records.recording import SampleFlag, Sampling
 
 _METER_MARGIN = 3.0

@@ -9,7 +9,7 @@ from gyrotest.analysis.noise_model import Drift, DriftKind, NoiseModel, Spectral
 from gyrotest.procedures.static.noise_results import NoiseAnalysis
 from gyrotest.procedures.static.soundness import regularity_complaint
 from gyrotest.procedures.static.terms import ANGLE_WALK, TERMS
-from gyrotest.procedures.static.wording import engineering, plain
+from gyrotest.procedures.wording import engineering, plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
 from gyrotest.records.table import Cell, Column, Table

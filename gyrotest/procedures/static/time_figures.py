@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.procedures.static.record import StaticRecord
-from gyrotest.procedures.static.wording import engineering, plain
+from gyrotest.procedures.wording import engineering, plain
 from gyrotest.records.figure import Band, Bars, Curve, Figure, Panel, Role, Width
 
 _MOST_BINS = 900

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrotest.procedures.static.wording import engineering, freedom, plain
+from gyrotest.procedures.wording import engineering, freedom, plain
 
 
 @pytest.mark.parametrize(
