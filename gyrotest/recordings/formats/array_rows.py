@@ -1,7 +1,7 @@
 """Rows out of arrays: of NumPy, MATLAB or HDF5, of one or two dimensions."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -52,19 +52,34 @@ def _of_two_dimensions(array: Any, wanted: str | int | None, path: Path, *, rows
     return Column(array.shape[1], lambda part: array[at, part])
 
 
-def parts_of(values: Column, time: Column | None, path: Path) -> Iterator[Part]:
-    """Yield the rows of a column, and of the times beside it, block by block."""
+def parts_of(
+    values: Column, time: Column | None, path: Path, beside: Sequence[Column] = ()
+) -> Iterator[Part]:
+    """Yield the rows of a column, and of the times and further columns beside it, block by block."""
     if time is not None and time.rows != values.rows:
         raise RecordingError(
             f"{path}: {values.rows} values and {time.rows} times; there must be one for each"
         )
+    for other in beside:
+        if other.rows != values.rows:
+            raise RecordingError(
+                f"{path}: columns of {values.rows} and of {other.rows} rows; side by side all have as many"
+            )
     for start in range(0, values.rows, PART_ROWS):
         rows = slice(start, min(start + PART_ROWS, values.rows))
         yield Part(
             row=np.arange(rows.start, rows.stop, dtype=np.int64),
             values=np.asarray(values.read(rows), dtype=np.float64),
             time=None if time is None else np.asarray(time.read(rows), dtype=np.float64),
+            beside=tuple(np.asarray(other.read(rows), dtype=np.float64) for other in beside),
         )
+
+
+def array_and_column(selection: Selection, names: Sequence[str]) -> Selection:
+    """Take a column by name as an array by name, where no array is chosen and one is called so."""
+    if selection.array is None and isinstance(selection.column, str) and selection.column in names:
+        return replace(selection, array=selection.column, column=None)
+    return selection
 
 
 def refuse_where(selection: Selection, path: Path) -> None:

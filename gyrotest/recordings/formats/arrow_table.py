@@ -48,30 +48,38 @@ def read_arrow(path: Path, selection: Selection) -> Iterator[Part]:
 
 
 def _needed(schema: Any, selection: Selection, path: Path) -> list[str]:
-    """Name the columns to read: values, then times if any, then those of the filter."""
+    """Name the columns to read: values, then times if any, then those beside, then those of the filter."""
     names = tuple(schema.names)
     wanted: list[str | int | None] = [selection.column]
     if selection.time_column is not None:
         wanted.append(selection.time_column)
-    return [names[find_column(one, names, path)] for one in (*wanted, *selection.where)]
+    wanted += [*selection.beside, *selection.where]
+    return [names[find_column(one, names, path)] for one in wanted]
 
 
 def _parts(
     batches: Iterable[Any], columns: list[str], path: Path, selection: Selection
 ) -> Iterator[Part]:
     row, dates = 0, Dates()
+    timed = int(selection.time_column is not None)
+    others = columns[1 + timed : 1 + timed + len(selection.beside)]
     for batch in batches:
         numbers = np.arange(row, row + batch.num_rows, dtype=np.int64)
         row += batch.num_rows
-        keep = _kept(batch, selection)
-        values = _numbers(batch, columns[0], path)[keep]
-        if selection.time_column is None:
-            yield Part(row=numbers[keep], values=values)
-        elif are_dates(batch.column(columns[1]).type):
-            seconds = dates.seconds(batch.column(columns[1]))[keep]
-            yield Part(row=numbers[keep], values=values, time=seconds, time_in_s=True)
-        else:
-            yield Part(row=numbers[keep], values=values, time=_numbers(batch, columns[1], path)[keep])
+        is_date = bool(timed) and are_dates(batch.column(columns[1]).type)
+        time = None
+        if timed:
+            time = (
+                dates.seconds(batch.column(columns[1])) if is_date else _numbers(batch, columns[1], path)
+            )
+        part = Part(
+            row=numbers,
+            values=_numbers(batch, columns[0], path),
+            time=time,
+            time_in_s=is_date,
+            beside=tuple(_numbers(batch, one, path) for one in others),
+        )
+        yield part.kept(_kept(batch, selection)) if selection.where else part
 
 
 def _kept(batch: Any, selection: Selection) -> Any:
@@ -79,12 +87,14 @@ def _kept(batch: Any, selection: Selection) -> Any:
     import pyarrow.compute as pc
 
     keep = np.ones(batch.num_rows, dtype=bool)
-    for name, content in selection.where.items():
-        column = batch.column(name)
-        wanted = pa.scalar(content)
-        if pa.types.is_string(column.type) != pa.types.is_string(wanted.type):
-            column, wanted = column.cast(pa.string()), pa.scalar(str(content))
-        keep &= pc.equal(column, wanted).fill_null(False).to_numpy(zero_copy_only=False)
+    for name, contents in selection.accepted.items():
+        any_of_them = np.zeros(batch.num_rows, dtype=bool)
+        for content in contents:
+            column, wanted = batch.column(name), pa.scalar(content)
+            if pa.types.is_string(column.type) != pa.types.is_string(wanted.type):
+                column, wanted = column.cast(pa.string()), pa.scalar(str(content))
+            any_of_them |= pc.equal(column, wanted).fill_null(False).to_numpy(zero_copy_only=False)
+        keep &= any_of_them
     return keep
 
 

@@ -6,7 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from gyrotest.errors import RecordingError
-from gyrotest.recordings.formats.array_rows import Column, column_of, parts_of, refuse_where
+from gyrotest.recordings.formats.array_rows import (
+    Column,
+    array_and_column,
+    column_of,
+    parts_of,
+    refuse_where,
+)
 from gyrotest.recordings.formats.selection import Part, Selection, find_name
 
 
@@ -40,20 +46,18 @@ def read_hdf5(path: Path, selection: Selection) -> Iterator[Part]:
     with opened(path) as file:
         refuse_where(selection, path)
         names = data_sets(file)
+        selection = array_and_column(selection, names)
         chosen = find_name(_absolute(selection.array), names, path, "array")
         values = _column(file[chosen], selection.column, path)
-        yield from parts_of(values, _time(file, names, chosen, path, selection), path)
 
+        def beside(wanted: str | int, setting: str) -> Column:
+            if isinstance(wanted, int) or file[chosen].dtype.names:
+                return _column(file[chosen], wanted, path)
+            return _column(file[find_name(_absolute(wanted), names, path, setting)], None, path)
 
-def _time(
-    file: Any, names: tuple[str, ...], chosen: str, path: Path, selection: Selection
-) -> Column | None:
-    wanted = selection.time_column
-    if wanted is None:
-        return None
-    if isinstance(wanted, int) or file[chosen].dtype.names:
-        return _column(file[chosen], wanted, path)
-    return _column(file[find_name(_absolute(wanted), names, path, "time_column")], None, path)
+        wanted = selection.time_column
+        time = None if wanted is None else beside(wanted, "time_column")
+        yield from parts_of(values, time, path, [beside(one, "column") for one in selection.beside])
 
 
 def _column(data_set: Any, wanted: str | int | None, path: Path) -> Column:

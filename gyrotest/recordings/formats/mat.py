@@ -5,7 +5,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from gyrotest.errors import RecordingError
-from gyrotest.recordings.formats.array_rows import column_of, parts_of, refuse_where
+from gyrotest.recordings.formats.array_rows import (
+    Column,
+    array_and_column,
+    column_of,
+    parts_of,
+    refuse_where,
+)
 from gyrotest.recordings.formats.selection import Part, Selection, find_name
 
 # What scipy raises on a damaged file, beside its own error.
@@ -29,17 +35,26 @@ def read_mat(path: Path, selection: Selection) -> Iterator[Part]:
     refuse_where(selection, path)
     try:
         names = tuple(name for name, _, _ in whosmat(str(path)))
+        selection = array_and_column(selection, names)
         chosen = find_name(selection.array, names, path, "array")
         wanted = [chosen]
         if isinstance(selection.time_column, str):
             wanted.append(find_name(selection.time_column, names, path, "time_column"))
+        wanted += [
+            find_name(one, names, path, "column") for one in selection.beside if isinstance(one, str)
+        ]
         variables = loadmat(str(path), variable_names=wanted)
     except (*_DAMAGE, MatReadError) as error:
         raise RecordingError(f"{path}: cannot be read as a MATLAB file: {error}") from error
-    values = column_of(variables[chosen], selection.column, path)
-    time = None
-    if isinstance(selection.time_column, str):
-        time = column_of(variables[selection.time_column], None, path)
-    elif selection.time_column is not None:
-        time = column_of(variables[chosen], selection.time_column, path)
-    yield from parts_of(values, time, path)
+
+    def beside(wanted: str | int) -> Column:
+        if isinstance(wanted, str):
+            return column_of(variables[wanted], None, path)
+        return column_of(variables[chosen], wanted, path)
+
+    yield from parts_of(
+        column_of(variables[chosen], selection.column, path),
+        None if selection.time_column is None else beside(selection.time_column),
+        path,
+        [beside(one) for one in selection.beside],
+    )

@@ -10,7 +10,13 @@ from typing import Any
 import numpy as np
 
 from gyrotest.errors import RecordingError
-from gyrotest.recordings.formats.array_rows import column_of, parts_of, refuse_where
+from gyrotest.recordings.formats.array_rows import (
+    Column,
+    array_and_column,
+    column_of,
+    parts_of,
+    refuse_where,
+)
 from gyrotest.recordings.formats.selection import Part, Selection, find_name
 
 DAMAGE = (OSError, ValueError, EOFError, SyntaxError, tokenize.TokenError, MemoryError)
@@ -28,7 +34,7 @@ def read_npy(path: Path, selection: Selection) -> Iterator[Part]:
         raise RecordingError(f"{path}: cannot be read as npy: {error}") from error
     values = column_of(array, selection.column, path)
     time = None if selection.time_column is None else column_of(array, selection.time_column, path)
-    yield from parts_of(values, time, path)
+    yield from parts_of(values, time, path, [column_of(array, one, path) for one in selection.beside])
 
 
 def read_npz(path: Path, selection: Selection) -> Iterator[Part]:
@@ -36,18 +42,23 @@ def read_npz(path: Path, selection: Selection) -> Iterator[Part]:
     refuse_where(selection, path)
     try:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
-            values, time = _arrays(file, path, selection)
+            parts = _arrays(file, path, array_and_column(selection, tuple(file.files)))
     except (*DAMAGE, zipfile.BadZipFile, zlib.error, NotImplementedError) as error:
         raise RecordingError(f"{path}: cannot be read as npz: {error}") from error
-    yield from parts_of(values, time, path)
+    yield from parts
 
 
-def _arrays(file: Any, path: Path, selection: Selection) -> tuple[Any, Any]:
+def _arrays(file: Any, path: Path, selection: Selection) -> Iterator[Part]:
     array = file[find_name(selection.array, tuple(file.files), path, "array")]
-    values = column_of(array, selection.column, path)
-    wanted = selection.time_column
-    if wanted is None:
-        return values, None
-    if isinstance(wanted, int) or array.dtype.names:
-        return values, column_of(array, wanted, path)
-    return values, column_of(file[find_name(wanted, tuple(file.files), path, "time_column")], None, path)
+
+    def beside(wanted: str | int, setting: str) -> Column:
+        if isinstance(wanted, int) or array.dtype.names:
+            return column_of(array, wanted, path)
+        return column_of(file[find_name(wanted, tuple(file.files), path, setting)], None, path)
+
+    return parts_of(
+        column_of(array, selection.column, path),
+        None if selection.time_column is None else beside(selection.time_column, "time_column"),
+        path,
+        [beside(one, "column") for one in selection.beside],
+    )

@@ -12,35 +12,58 @@ from gyrotest.errors import RecordingError
 
 PART_ROWS = 65_536
 
+Content = str | int | float
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Selection:
     """Which column of which array, and which rows; columns by name or by number from 1.
 
-    `where` keeps the rows whose columns have these contents. `skip_rows` leaves out so many lines
-    at the top of a text file before anything else is looked at.
+    `beside` are further columns, or by name other arrays of as many rows. `where` keeps the rows whose
+    columns have these contents, or one of several. `skip_rows` leaves out so many lines at the top of
+    a text file before anything else is looked at.
     """
 
     column: str | int | None = None
     array: str | None = None
     time_column: str | int | None = None
-    where: Mapping[str, str | int | float] = field(default_factory=dict)
+    beside: tuple[str | int, ...] = ()
+    where: Mapping[str, Content | tuple[Content, ...]] = field(default_factory=dict)
     skip_rows: int = 0
+
+    @property
+    def accepted(self) -> Mapping[str, tuple[Content, ...]]:
+        """The contents with which `where` keeps a row, by column."""
+        return {
+            name: content if isinstance(content, tuple) else (content,)
+            for name, content in self.where.items()
+        }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Part:
     """Rows of a file in their order: each one's number (from 0), value, and time as it stands there.
 
-    With `time_in_s` the times were dates, and are seconds since the first one. A cell that is missing
-    is NaN. The numbers jump where `where` left rows out, and where one of
-    our own recordings has a gap.
+    `beside` are the further columns that were asked for, each of as many rows. With `time_in_s` the
+    times were dates, and are seconds since the first one. A cell that is missing is NaN. The numbers
+    jump where `where` left rows out, and where one of our own recordings has a gap.
     """
 
     row: NDArray[np.int64]
     values: NDArray[np.float64]
     time: NDArray[np.float64] | None = None
     time_in_s: bool = False
+    beside: tuple[NDArray[np.float64], ...] = ()
+
+    def kept(self, rows: NDArray[np.bool_]) -> "Part":
+        """Some of the rows."""
+        return Part(
+            row=self.row[rows],
+            values=self.values[rows],
+            time=None if self.time is None else self.time[rows],
+            time_in_s=self.time_in_s,
+            beside=tuple(one[rows] for one in self.beside),
+        )
 
     def time_s(self, unit_s: float) -> NDArray[np.float64] | None:
         """Return the times in seconds; `unit_s` is the unit that they stand in, unless they were dates."""

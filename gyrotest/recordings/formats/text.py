@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from gyrotest.errors import RecordingError
-from gyrotest.recordings.formats.selection import PART_ROWS, Part, Selection, find_column
+from gyrotest.recordings.formats.selection import PART_ROWS, Content, Part, Selection, find_column
 from gyrotest.recordings.formats.text_dates import Dates, parsed
 from gyrotest.recordings.formats.text_fast import FastText, is_clean
 from gyrotest.recordings.formats.text_head import COMMENT, TextHead, read_head
@@ -21,33 +21,38 @@ _NOR_DATES = "; times are numbers in all rows, or dates such as 2026-01-31T12:00
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TextColumns:
-    """The positions of the columns to read, and the filter."""
+    """The positions of the columns to read (the values, then what is beside them), and the filter."""
 
-    value: int
+    values: tuple[int, ...]
     time: int | None
-    where: tuple[tuple[int, str | int | float], ...]
+    where: tuple[tuple[int, tuple[Content, ...]], ...]
 
     def keeps(self, cells: list[str], head: TextHead) -> bool:
         """Whether a row passes the filter."""
-        return all(_same(cells[at], content, head) for at, content in self.where)
+        return all(
+            any(_same(cells[at], content, head) for content in contents) for at, contents in self.where
+        )
 
 
 def read_text(path: Path, selection: Selection) -> Iterator[Part]:
     """Yield the rows of a text file; raises `RecordingError` with the line of a fault."""
-    wanted = (selection.column, selection.time_column, *selection.where)
+    wanted = (selection.column, selection.time_column, *selection.beside, *selection.where)
     head = read_head(path, skip_rows=selection.skip_rows, wanted=wanted)
     columns = TextColumns(
-        value=find_column(selection.column, head.names, path),
+        values=tuple(
+            find_column(one, head.names, path) for one in (selection.column, *selection.beside)
+        ),
         time=None
         if selection.time_column is None
         else find_column(selection.time_column, head.names, path),
         where=tuple(
-            (find_column(name, head.names, path), content) for name, content in selection.where.items()
+            (find_column(name, head.names, path), contents)
+            for name, contents in selection.accepted.items()
         ),
     )
     done = 0
     if is_clean(path, head):
-        fast = FastText(path, head, columns.value, columns.time, columns.where)
+        fast = FastText(path, head, columns.values, columns.time, columns.where)
         yield from fast.parts()
         if fast.finished:
             return
@@ -81,7 +86,7 @@ class _Block:
     def __init__(self, path: Path, head: TextHead, columns: TextColumns, *, dates: Dates | None) -> None:
         self._path, self._head, self._columns, self._dates = path, head, columns, dates
         self._rows: list[int] = []
-        self._values: list[float] = []
+        self._values: list[list[float]] = [[] for _ in columns.values]
         self._times: list[float] = []
 
     @property
@@ -92,7 +97,8 @@ class _Block:
     def add(self, row: int, line: int, cells: list[str]) -> None:
         """Read a row; raises `RecordingError` with its line."""
         self._rows.append(row)
-        self._values.append(_number(cells, self._columns.value, self._path, line, self._head))
+        for values, at in zip(self._values, self._columns.values, strict=True):
+            values.append(_number(cells, at, self._path, line, self._head))
         if self._columns.time is not None:
             self._times.append(self._time(cells, self._columns.time, line))
 
@@ -110,11 +116,12 @@ class _Block:
         """Return the rows, and begin anew."""
         part = Part(
             row=np.array(self._rows, dtype=np.int64),
-            values=np.array(self._values, dtype=np.float64),
+            values=np.array(self._values[0], dtype=np.float64),
             time=None if self._columns.time is None else np.array(self._times, dtype=np.float64),
             time_in_s=self._dates is not None,
+            beside=tuple(np.array(values, dtype=np.float64) for values in self._values[1:]),
         )
-        self._rows, self._values, self._times = [], [], []
+        self._rows, self._values, self._times = [], [[] for _ in self._values], []
         return part
 
 
@@ -157,7 +164,7 @@ def _number(
     return number
 
 
-def _same(cell: str, content: str | int | float, head: TextHead) -> bool:
+def _same(cell: str, content: Content, head: TextHead) -> bool:
     if isinstance(content, str):
         return cell.strip() == content
     return head.number(cell) == content

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrotest.recordings.formats.selection import Part
+from gyrotest.recordings.formats.selection import Content, Part
 from gyrotest.recordings.formats.text_blank import blank_between_rows
 from gyrotest.recordings.formats.text_head import MISSING, TextHead
 
@@ -35,14 +35,14 @@ class FastText:
         self,
         path: Path,
         head: TextHead,
-        value: int,
+        values: tuple[int, ...],
         time: int | None,
-        where: tuple[tuple[int, str | int | float], ...],
+        where: tuple[tuple[int, tuple[Content, ...]], ...],
     ) -> None:
         self.rows = 0
         self.finished = False
         self._path, self._head, self._where = path, head, where
-        self._value, self._time = value, time
+        self._values, self._time = values, time
 
     def parts(self) -> Iterator[Part]:
         """Yield rows until the end, or until a row that pyarrow does not take as it is."""
@@ -62,7 +62,7 @@ class FastText:
         import pyarrow as pa
         from pyarrow import csv
 
-        numbers = {self._value} if self._time is None else {self._value, self._time}
+        numbers = set(self._values) if self._time is None else {*self._values, self._time}
         texts = {at for at, _ in self._where} | ({0} - numbers)
         types = {f"f{at}": pa.string() for at in texts} | {
             f"f{at}": pa.float64() for at in numbers - texts
@@ -97,26 +97,33 @@ class FastText:
 
     def _part(self, batch: Any) -> Part:
         numbers = np.arange(self.rows, self.rows + batch.num_rows, dtype=np.int64)
-        keep = self._kept(batch)
+        values, *beside = (_floats(batch.column(f"f{at}")) for at in self._values)
         part = Part(
-            row=numbers[keep],
-            values=_floats(batch.column(f"f{self._value}"))[keep],
-            time=None if self._time is None else _floats(batch.column(f"f{self._time}"))[keep],
+            row=numbers,
+            values=values,
+            time=None if self._time is None else _floats(batch.column(f"f{self._time}")),
+            beside=tuple(beside),
         )
         self.rows += batch.num_rows
-        return part
+        return part.kept(self._kept(batch)) if self._where else part
 
     def _kept(self, batch: Any) -> Any:
+        import pyarrow as pa
         import pyarrow.compute as pc
 
         keep: NDArray[np.bool_] = np.ones(batch.num_rows, dtype=bool)
-        for at, content in self._where:
+        for at, contents in self._where:
             cells = batch.column(f"f{at}")
-            if isinstance(content, str):
-                keep &= pc.equal(pc.utf8_trim_whitespace(cells), content).to_numpy(zero_copy_only=False)
-            else:
-                numbers = [self._head.number(cell) == content for cell in cells.to_pylist()]
-                keep &= np.array(numbers, dtype=bool)
+            texts = [one for one in contents if isinstance(one, str)]
+            numbers = {float(one) for one in contents if not isinstance(one, str)}
+            trimmed = pc.utf8_trim_whitespace(cells)
+            found = pc.is_in(trimmed, value_set=pa.array(texts, pa.string()), skip_nulls=True)
+            accepted = found.to_numpy(zero_copy_only=False)
+            if numbers:
+                accepted = accepted | np.array(
+                    [self._head.number(cell) in numbers for cell in cells.to_pylist()], dtype=bool
+                )
+            keep &= accepted
         return keep
 
 
