@@ -1,154 +1,176 @@
 """The simulated bench: one physical world, one clock, a server for each simulated instrument."""
 
-import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from types import TracebackType
 from typing import Self
 
 from gyrotest.clock import RealClock
-from gyrotest.errors import Fault, StationError
+from gyrotest.errors import StationError
 from gyrotest.ports import Clock
-from gyrotest.records.spec import Output
+from gyrotest.records.spec import Spec
 from gyrotest.records.station import Simulation, Station
 from gyrotest.simulation.clock import VirtualClock
-from gyrotest.simulation.dialogue import Dialogue, LineDialogue
-from gyrotest.simulation.meter import Meter
-from gyrotest.simulation.meter_state import Interface
-from gyrotest.simulation.prologix import PrologixDialogue
+from gyrotest.simulation.figures import fault
+from gyrotest.simulation.occasion import Occasion
+from gyrotest.simulation.peer import Making, Peer, Reading
+from gyrotest.simulation.peers import is_simulated, make_peer
+from gyrotest.simulation.places import fitting_slots
 from gyrotest.simulation.scenarios import SCENARIOS, Scenario
-from gyrotest.simulation.server import PtyServer, Server, TcpServer, has_pty
-from gyrotest.simulation.settings import gyro_parameters, meter_parameters, unknown_instruments
-from gyrotest.simulation.workplace import Occasion, Workplace, new_meter
-
-_GPIB_ADDRESS = 22
-_LINE_FREQUENCY_HZ = 50.0
-_SIMULATED = "simulated"
+from gyrotest.simulation.settings import gyro_parameters, unknown_instruments
+from gyrotest.simulation.wires import Wires, check_way
+from gyrotest.simulation.workplace import Workplace
 
 
 class SimulatedBench:
-    """Serves every instrument of a station whose resource begins with `simulated`.
+    """Simulates every instrument of a station whose resource begins with `simulated`, on first use.
 
-    Raises `StationError` for a complaint about the station's `simulation`.
+    Raises `StationError` for a complaint about the station's `simulation`, or where a slot for the
+    spec's model has no source that could read it.
     """
 
     def __init__(
         self,
         station: Station,
-        output: Output,
+        spec: Spec,
         *,
         seed: int | None = None,
         scenario: str | None = None,
         real_time: bool = False,
     ) -> None:
         simulation = station.simulation or Simulation()
-        chosen = find_scenario(scenario or simulation.scenario)
-        served = [name for name, one in station.instruments.items() if is_simulated(one.resource)]
-        gyro = gyro_parameters(simulation.gyro, output, chosen.factors)
+        self._station = station
+        self._scenario = find_scenario(scenario or simulation.scenario)
+        self._seed = simulation.seed if seed is None else seed
+        self._live = real_time
+        self._gyro = gyro_parameters(simulation, spec, self._scenario.factors)
         if faults := unknown_instruments(station):
             raise StationError(faults)
         self.clock: Clock = RealClock() if real_time else VirtualClock()
+        self._wires = Wires(self.clock)
+        self._peers: dict[str, Peer] = {}
         self._workplaces: dict[str, Workplace] = {}
-        self._servers: list[Server] = []
-        self._boards = 0
-        addresses: dict[str, str] = {}
-        try:
-            for name in served:
-                parameters = meter_parameters(station, name)
-                meter = new_meter(
-                    parameters.model,
-                    serial_number=_meter_serial(station, name),
-                    line_frequency_hz=line_frequency_hz(station),
-                    clock=self.clock,
-                    live=real_time,
-                )
-                self._workplaces[name] = Workplace(
-                    name,
-                    meter,
-                    gyro,
-                    parameters,
-                    seed=simulation.seed if seed is None else seed,
-                    scenario=chosen,
-                    clock=self.clock,
-                )
-                addresses[name] = self._serve(name, station.instruments[name].resource, meter)
-        except BaseException:
-            self.close()
-            raise
-        self.addresses: Mapping[str, str] = addresses
+        self._addresses: dict[str, str] = {}
+        for slot in fitting_slots(station, spec.model):
+            self._check(station.slots[slot].source)
 
-    def _serve(self, name: str, resource: str, meter: Meter) -> str:
-        """Start the server for a resource; the VISA address of what it serves."""
-        way = resource.removeprefix(_SIMULATED)
-        if way in {"", ":tcp"}:
-            return (
-                f"TCPIP::127.0.0.1::{self._tcp(lambda: LineDialogue(meter, Interface.SOCKET))}::SOCKET"
-            )
-        if way == ":prologix":
-            port = self._tcp(lambda: PrologixDialogue({_GPIB_ADDRESS: meter}, self.clock))
-            return self._gpib(f"PRLGX-TCPIP{self._boards}::127.0.0.1::{port}::INTFC")
-        if way not in {":pty", ":prologix-pty"}:
-            message = f"'{resource}' is no simulated resource; write simulated[:tcp|:pty|:prologix|:prologix-pty]"
-            raise StationError([Fault("", None, f"instruments.{name}.resource", message)])
-        if not has_pty():
-            message = "this platform has no pseudo-terminals; write simulated:tcp"
-            raise StationError([Fault("", None, f"instruments.{name}.resource", message)])
-        if way == ":pty":
-            return f"ASRL{self._pty(lambda: LineDialogue(meter, Interface.SERIAL))}::INSTR"
-        path = self._pty(lambda: PrologixDialogue({_GPIB_ADDRESS: meter}, self.clock))
-        return self._gpib(f"PRLGX-ASRL{self._boards}::{path}::INTFC")
+    def _check(self, source: str) -> None:
+        resource = self._station.instruments[source].resource
+        if is_simulated(resource):
+            check_way(source, resource)
+            self._peer(source)
 
-    def _gpib(self, interface: str) -> str:
-        """The interface and the instrument behind it, separated by a blank."""
-        address = f"{interface} GPIB{self._boards}::{_GPIB_ADDRESS}::INSTR"
-        self._boards += 1
+    def simulates(self, name: str) -> bool:
+        """Whether an instrument of the station is simulated."""
+        return is_simulated(self._station.instruments[name].resource)
+
+    def address(self, name: str) -> str:
+        """Where a simulated instrument is to be found; its server starts when it is first asked for."""
+        address = self._addresses.get(name)
+        if address is None:
+            resource = self._station.instruments[name].resource
+            address = self._addresses[name] = self._wires.serve(name, resource, self._peer(name))
         return address
 
-    def _tcp(self, dialogue: Callable[[], Dialogue]) -> int:
-        server = TcpServer(dialogue, self.clock)
-        self._servers.append(server)
-        return server.port
+    def _peer(self, name: str) -> Peer:
+        peer = self._peers.get(name)
+        if peer is None:
+            peer = make_peer(
+                Making(
+                    station=self._station,
+                    name=name,
+                    clock=self.clock,
+                    seed=self._seed,
+                    scenario=self._scenario,
+                    live=self._live,
+                )
+            )
+            self._peers[name] = peer
+            for slot, workplace in self._workplaces.items():
+                if workplace.occasion is not None and name in self._around(slot):
+                    peer.begin(workplace.occasion)
+        return peer
 
-    def _pty(self, dialogue: Callable[[], Dialogue]) -> str:
-        server = PtyServer(dialogue, self.clock)
-        self._servers.append(server)
-        return server.path
+    def _around(self, slot: str) -> tuple[str, ...]:
+        """The instruments that a slot uses, its source first."""
+        place = self._station.slots[slot]
+        return tuple(
+            name for name in (place.source, place.table, place.supply, place.chamber) if name is not None
+        )
+
+    def insert(self, *, slot: str, serial_number: str) -> None:
+        """Put a unit into a slot before its first record: a digital one can be asked who it is."""
+        self._begin(slot, Occasion(serial_number=serial_number))
 
     def begin(
         self,
         *,
-        units: Mapping[str, str],
+        slot: str,
+        serial_number: str,
         case: str,
         power_cycle: int,
         repeat: int,
         elapsed_s: float,
         duration_s: float,
+        mountings: Mapping[str, tuple[float, float, float]] | None = None,
     ) -> None:
-        """Prepare the next record: which serial number each instrument reads, and its streams.
+        """Prepare the next record of the unit in a slot, and the random streams of all around it.
 
-        `elapsed_s` is the time since power-on at the record's start, which is now.
+        `elapsed_s` is the time since power-on at the record's start, which is now. `mountings` has the
+        direction (up, north, east) of each axis where it is known, by the axis's name (empty for a gyro
+        of one axis).
         """
-        for instrument, serial_number in units.items():
-            if instrument in self._workplaces:
-                self._workplaces[instrument].begin(
-                    Occasion(
-                        serial_number=serial_number,
-                        case=case,
-                        power_cycle=power_cycle,
-                        repeat=repeat,
-                        elapsed_s=elapsed_s,
-                        duration_s=duration_s,
-                    )
-                )
+        self._begin(
+            slot,
+            Occasion(
+                serial_number=serial_number,
+                case=case,
+                power_cycle=power_cycle,
+                repeat=repeat,
+                elapsed_s=elapsed_s,
+                duration_s=duration_s,
+                mountings=mountings or {},
+            ),
+        )
 
-    def truth(self, instrument: str, *, duration_s: float) -> Mapping[str, float]:
-        """The true figures behind an instrument for the record begun last; empty where nothing is simulated."""
-        workplace = self._workplaces.get(instrument)
-        return workplace.truth(duration_s) if workplace else {}
+    def _begin(self, slot: str, occasion: Occasion) -> None:
+        place = self._station.slots[slot]
+        if not self.simulates(place.source):
+            return
+        source = self._peer(place.source)
+        for name in self._around(slot):
+            if name in self._peers:
+                self._peers[name].begin(occasion)
+        if isinstance(source, Reading):
+            self._workplace(slot).begin(occasion, source)
+
+    def _workplace(self, slot: str) -> Workplace:
+        if slot not in self._workplaces:
+            self._workplaces[slot] = Workplace(
+                self._station.slots[slot].channel or "",
+                self._gyro,
+                seed=self._seed,
+                scenario=self._scenario,
+                clock=self.clock,
+            )
+        return self._workplaces[slot]
+
+    def truth(self, slot: str, *, duration_s: float) -> Mapping[str, float]:
+        """The true figures of the unit in a slot and of the instruments around it, for the record begun last.
+
+        Empty where nothing is simulated or begun.
+        """
+        workplace = self._workplaces.get(slot)
+        if workplace is None:
+            return {}
+        found = workplace.truth(duration_s)
+        for name in self._around(slot):
+            if name in self._peers:
+                found |= self._peers[name].truth()
+        return found
 
     def close(self) -> None:
         """Stop all servers; idempotent."""
-        while self._servers:
-            self._servers.pop().close()
+        self._wires.close()
 
     def __enter__(self) -> Self:
         return self
@@ -159,27 +181,9 @@ class SimulatedBench:
         self.close()
 
 
-def line_frequency_hz(station: Station) -> float:
-    """The station's line frequency, Hz; 50 where it states none."""
-    return station.line_frequency.to("Hz") if station.line_frequency else _LINE_FREQUENCY_HZ
-
-
 def find_scenario(name: str) -> Scenario:
     """The scenario of that name; raises `StationError`."""
     if name not in SCENARIOS:
         message = f"'{name}' is no scenario; write one of {', '.join(SCENARIOS)}"
-        raise StationError([Fault("", None, "simulation.scenario", message)])
+        raise StationError([fault("simulation.scenario", message)])
     return SCENARIOS[name]
-
-
-def is_simulated(resource: str) -> bool:
-    """Whether the simulated bench serves an instrument with this resource."""
-    return resource == _SIMULATED or resource.startswith(f"{_SIMULATED}:")
-
-
-def _meter_serial(station: Station, name: str) -> str:
-    """What `*IDN?` answers: begins with SIM, so that nobody takes it for a real instrument."""
-    stated = station.instruments[name].serial_number
-    if stated is not None and stated.upper().startswith("SIM"):
-        return stated
-    return f"SIM{zlib.crc32(name.encode()) % 100_000:05d}"

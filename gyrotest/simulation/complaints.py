@@ -4,8 +4,9 @@ from collections.abc import Callable
 
 from gyrotest.errors import Fault, StationError
 from gyrotest.records.station import Station
-from gyrotest.simulation.bench import find_scenario, is_simulated
-from gyrotest.simulation.settings import gyro_figures, meter_parameters
+from gyrotest.simulation.bench import find_scenario
+from gyrotest.simulation.peers import is_simulated, peer_class
+from gyrotest.simulation.settings import gyro_figures
 
 
 def simulation_faults(station: Station) -> tuple[Fault, ...]:
@@ -17,8 +18,12 @@ def simulation_faults(station: Station) -> tuple[Fault, ...]:
     return (
         *_faults_of(find_scenario, simulation.scenario),
         *_faults_of(gyro_figures, simulation.gyro),
-        *(fault for name in simulated for fault in _faults_of(meter_parameters, station, name)),
+        *(fault for name in simulated for fault in _faults_of(_check, station, name)),
     )
+
+
+def _check(station: Station, name: str) -> None:
+    peer_class(station, name).check(station, name)
 
 
 def _faults_of(make: Callable[..., object], *given: object) -> tuple[Fault, ...]:

@@ -3,8 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 
 from gyrotest.ports import Clock
-from gyrotest.simulation.dialogue import Parts
-from gyrotest.simulation.meter import Meter
+from gyrotest.simulation.dialogue import Parts, Speaker
 from gyrotest.simulation.meter_state import Interface, Reply
 
 _ESCAPE = 27
@@ -31,7 +30,7 @@ class PrologixDialogue:
     nothing, and is there for a later `++read`.
     """
 
-    def __init__(self, meters: Mapping[int, Meter], clock: Clock) -> None:
+    def __init__(self, meters: Mapping[int, Speaker], clock: Clock) -> None:
         self._meters = meters
         self._clock = clock
         self._address = next(iter(meters))

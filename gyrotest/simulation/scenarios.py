@@ -14,6 +14,22 @@ class Misbehaviour(Enum):
     GARBLE = auto()
     STUCK = auto()
     RAIL = auto()
+    TABLE_SLOW = auto()
+    TABLE_INTERLOCK = auto()
+    TABLE_REFUSES = auto()
+    SUPPLY_NO_VOLTAGE = auto()
+    SUPPLY_CURRENT_LIMIT = auto()
+    CHAMBER_STUCK = auto()
+    LOST_FRAMES = auto()
+    LOST_COUNTER_PERIOD = auto()
+    BAD_CRC = auto()
+    LINE_NOISE = auto()
+    UNPLUGGED = auto()
+    WRONG_BAUD_RATE = auto()
+    OVERLOAD_STATUS = auto()
+    CHANNEL_ERROR = auto()
+    OTHER_DEVICE = auto()
+    OTHER_CONFIGURATION = auto()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,6 +51,17 @@ class Scenario:
     dead_output: bool = False
     inverted: bool = False
     strikes: tuple[Strike, ...] = ()
+
+    def has(self, misbehaviour: Misbehaviour) -> bool:
+        """Whether something goes wrong here, at whatever time."""
+        return any(strike.misbehaviour is misbehaviour for strike in self.strikes)
+
+
+def _standing(name: str, misbehaviour: Misbehaviour, description: str) -> Scenario:
+    """What is wrong from the start."""
+    return Scenario(
+        name=name, description=description, strikes=(Strike(misbehaviour=misbehaviour, at=0.0),)
+    )
 
 
 _ALL = (
@@ -80,6 +107,74 @@ _ALL = (
         name="stuck-reading",
         description="from some reading on the meter repeats the same value",
         strikes=(Strike(misbehaviour=Misbehaviour.STUCK, at=0.5),),
+    ),
+    Scenario(
+        name="lost-frames",
+        description="a digital gyro's frames are lost on the way, three times a few of them",
+        strikes=tuple(Strike(misbehaviour=Misbehaviour.LOST_FRAMES, at=at) for at in (0.3, 0.5, 0.7)),
+    ),
+    Scenario(
+        name="lost-counter-period",
+        description="so many frames are lost at once that the frames' counter shows no jump",
+        strikes=(Strike(misbehaviour=Misbehaviour.LOST_COUNTER_PERIOD, at=0.4),),
+    ),
+    Scenario(
+        name="bad-crc",
+        description="for a while every third frame of a digital gyro is damaged",
+        strikes=(Strike(misbehaviour=Misbehaviour.BAD_CRC, at=0.4, until=0.41),),
+    ),
+    Scenario(
+        name="garbage-on-the-line",
+        description="noise on the serial line puts bytes between a digital gyro's frames",
+        strikes=(Strike(misbehaviour=Misbehaviour.LINE_NOISE, at=0.4, until=0.41),),
+    ),
+    Scenario(
+        name="unplugged",
+        description="a digital gyro's line goes dead in the middle of the record",
+        strikes=(Strike(misbehaviour=Misbehaviour.UNPLUGGED, at=0.4),),
+    ),
+    Scenario(
+        name="overload-status",
+        description="a digital gyro says for a while that its range is exceeded",
+        strikes=(Strike(misbehaviour=Misbehaviour.OVERLOAD_STATUS, at=0.4, until=0.41),),
+    ),
+    Scenario(
+        name="channel-error",
+        description="a digital gyro reports a fault of its first axis for a while",
+        strikes=(Strike(misbehaviour=Misbehaviour.CHANNEL_ERROR, at=0.4, until=0.41),),
+    ),
+    _standing(
+        "wrong-baud-rate", Misbehaviour.WRONG_BAUD_RATE, "a digital gyro sends at another baud rate"
+    ),
+    _standing(
+        "other-device", Misbehaviour.OTHER_DEVICE, "another unit sits in the slot: its serial number"
+    ),
+    _standing(
+        "other-configuration",
+        Misbehaviour.OTHER_CONFIGURATION,
+        "a digital gyro is set to another output unit and another sample rate",
+    ),
+    _standing(
+        "table-does-not-reach-rate", Misbehaviour.TABLE_SLOW, "the table stays below the rate asked for"
+    ),
+    Scenario(
+        name="table-interlock",
+        description="the table's interlock opens in the middle of the record",
+        strikes=(Strike(misbehaviour=Misbehaviour.TABLE_INTERLOCK, at=0.4),),
+    ),
+    _standing("table-refuses", Misbehaviour.TABLE_REFUSES, "the table refuses every rate"),
+    _standing(
+        "supply-no-voltage", Misbehaviour.SUPPLY_NO_VOLTAGE, "the supply's voltage does not come up"
+    ),
+    _standing(
+        "supply-current-limit",
+        Misbehaviour.SUPPLY_CURRENT_LIMIT,
+        "the unit draws so much that the supply limits its current",
+    ),
+    _standing(
+        "chamber-does-not-reach",
+        Misbehaviour.CHAMBER_STUCK,
+        "the chamber stays where it is, whatever it is asked for",
     ),
 )
 

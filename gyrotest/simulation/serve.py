@@ -8,29 +8,35 @@ from typing import Self
 from gyrotest.clock import RealClock
 from gyrotest.errors import RefusedError
 from gyrotest.ports import Clock
-from gyrotest.records.spec import Output, OutputKind
-from gyrotest.records.station import Instrument, Slot, Station
+from gyrotest.records.spec import Output, OutputKind, Spec
+from gyrotest.records.station import Instrument, Simulation, Slot, Station
 from gyrotest.simulation.bench import find_scenario
 from gyrotest.simulation.clock import VirtualClock
-from gyrotest.simulation.dialogue import LineDialogue
+from gyrotest.simulation.dialogue import Dialogue
+from gyrotest.simulation.meter_peer import MeterPeer
 from gyrotest.simulation.meter_state import Interface
+from gyrotest.simulation.occasion import Occasion
+from gyrotest.simulation.peer import Making
 from gyrotest.simulation.server import PtyServer, Server, TcpServer, has_pty
-from gyrotest.simulation.settings import gyro_parameters, meter_parameters
-from gyrotest.simulation.workplace import Occasion, Workplace, new_meter
+from gyrotest.simulation.settings import gyro_parameters
+from gyrotest.simulation.workplace import Workplace
 from gyrotest.units import Quantity
 
 # What a scenario takes for the record's duration where no record is planned.
 _RECORD_S = 60.0
-_LINE_FREQUENCY_HZ = 50.0
 # So that Ctrl-C is seen where a wait cannot be interrupted.
 _PATIENCE_S = 0.5
 _NAME = "meter"
 _LAST_PORT = 65_535
-_OUTPUT = Output(
-    kind=OutputKind.VOLTAGE,
-    scale_factor=Quantity(50.0, "mV/(deg/s)"),
-    zero_rate=Quantity(2.5, "V"),
-    bandwidth=Quantity(50.0, "Hz"),
+_SPEC = Spec(
+    model="50 mV/(deg/s)",
+    cases={},
+    output=Output(
+        kind=OutputKind.VOLTAGE,
+        scale_factor=Quantity(50.0, "mV/(deg/s)"),
+        zero_rate=Quantity(2.5, "V"),
+        bandwidth=Quantity(50.0, "Hz"),
+    ),
 )
 
 
@@ -54,29 +60,28 @@ class StandaloneMeter:
     ) -> None:
         station = Station(
             name="stand-alone meter",
-            instruments={_NAME: Instrument(driver=model, resource="simulated")},
+            instruments={
+                _NAME: Instrument(
+                    driver=model, resource="simulated", serial_number=f"SIM{seed % 100_000:05d}"
+                )
+            },
             slots={"a": Slot(source=_NAME)},
         )
         chosen = find_scenario(scenario)
-        parameters = meter_parameters(station, _NAME)
         clock: Clock = VirtualClock() if fast else RealClock()
-        meter = new_meter(
-            parameters.model,
-            serial_number=f"SIM{seed % 100_000:05d}",
-            line_frequency_hz=_LINE_FREQUENCY_HZ,
-            clock=clock,
-            live=not fast,
-            hurried=fast,
+        peer = MeterPeer(
+            Making(
+                station=station,
+                name=_NAME,
+                clock=clock,
+                seed=seed,
+                scenario=chosen,
+                live=not fast,
+                hurried=fast,
+            )
         )
-        workplace = Workplace(
-            _NAME,
-            meter,
-            gyro_parameters({}, _OUTPUT, chosen.factors),
-            parameters,
-            seed=seed,
-            scenario=chosen,
-            clock=clock,
-        )
+        gyro = gyro_parameters(Simulation(), _SPEC, chosen.factors)
+        workplace = Workplace("", gyro, seed=seed, scenario=chosen, clock=clock)
         workplace.begin(
             Occasion(
                 serial_number=serial_number,
@@ -85,16 +90,17 @@ class StandaloneMeter:
                 repeat=1,
                 elapsed_s=0.0,
                 duration_s=_RECORD_S,
-            )
+            ),
+            peer,
         )
         self._server: Server
         if pty:
             if not has_pty():
                 raise RefusedError("this platform has no pseudo-terminals; serve a TCP port instead")
-            terminal = PtyServer(lambda: LineDialogue(meter, Interface.SERIAL), clock)
+            terminal = PtyServer(lambda: peer.dialogue(Interface.SERIAL), clock)
             self._server, self.address = terminal, f"ASRL{terminal.path}::INSTR"
         else:
-            server = _listen(lambda: LineDialogue(meter, Interface.SOCKET), clock, port)
+            server = _listen(lambda: peer.dialogue(Interface.SOCKET), clock, port)
             self._server, self.address = server, f"TCPIP::127.0.0.1::{server.port}::SOCKET"
 
     def close(self) -> None:
@@ -141,7 +147,7 @@ def serve_meter(
             announce("stopped")
 
 
-def _listen(dialogue: Callable[[], LineDialogue], clock: Clock, port: int) -> TcpServer:
+def _listen(dialogue: Callable[[], Dialogue], clock: Clock, port: int) -> TcpServer:
     if not 0 <= port <= _LAST_PORT:
         raise RefusedError(f"127.0.0.1:{port}: ports are 0 (any free one) to {_LAST_PORT}")
     try:

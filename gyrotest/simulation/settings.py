@@ -1,44 +1,34 @@
 """The station's `simulation` mappings, checked into records; every complaint names its key."""
 
-import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from gyrotest.errors import Fault, StationError, UnitError
-from gyrotest.records.spec import Output, OutputKind
-from gyrotest.records.station import Instrument, Station
+from gyrotest.errors import Fault, StationError
+from gyrotest.records.spec import Output, OutputKind, Spec
+from gyrotest.records.station import Instrument, Simulation, Station
+from gyrotest.simulation.figures import Figure, fault, figures_of, nearest
 from gyrotest.simulation.gyro import GyroParameters
 from gyrotest.simulation.noise import NoiseDensities
 from gyrotest.simulation.personalities import MODELS
-from gyrotest.units import Dimension, parse_quantity
-
-
-@dataclass(frozen=True, slots=True)
-class _Key:
-    """A quantity that may be given: its dimension (canonical unit), default and sign."""
-
-    dimension: Dimension
-    default: str
-    positive: bool = False
-    signed: bool = False
-
+from gyrotest.units import Dimension
 
 _GYRO = {
-    "angle_random_walk": _Key(Dimension.ANGLE_RANDOM_WALK, "0.5 deg/sqrt(h)"),
-    "bias_instability_coefficient": _Key(Dimension.RATE, "8 deg/h"),
-    "rate_random_walk": _Key(Dimension.RATE_RANDOM_WALK, "3 deg/h/sqrt(h)"),
-    "turn_on_bias": _Key(Dimension.RATE, "0.15 deg/s"),
-    "scale_factor_error": _Key(Dimension.NUMBER, "0.5 %"),
-    "warm_up_drift": _Key(Dimension.RATE, "0.05 deg/s", signed=True),
-    "warm_up_time_constant": _Key(Dimension.TIME, "4 min", positive=True),
-    "bandwidth": _Key(Dimension.FREQUENCY, "50 Hz", positive=True),
-    "input_rate": _Key(Dimension.RATE, "0 deg/s", signed=True),
+    "angle_random_walk": Figure(Dimension.ANGLE_RANDOM_WALK, "0.5 deg/sqrt(h)"),
+    "bias_instability_coefficient": Figure(Dimension.RATE, "8 deg/h"),
+    "rate_random_walk": Figure(Dimension.RATE_RANDOM_WALK, "3 deg/h/sqrt(h)"),
+    "turn_on_bias": Figure(Dimension.RATE, "0.15 deg/s"),
+    "scale_factor_error": Figure(Dimension.NUMBER, "0.5 %"),
+    "warm_up_drift": Figure(Dimension.RATE, "0.05 deg/s", signed=True),
+    "warm_up_time_constant": Figure(Dimension.TIME, "4 min", positive=True),
+    "bandwidth": Figure(Dimension.FREQUENCY, "50 Hz", positive=True),
+    "input_rate": Figure(Dimension.RATE, "0 deg/s", signed=True),
 }
+_LINE_FREQUENCY_HZ = 50.0
 _METER = {
-    "noise": _Key(Dimension.VOLTAGE, "3e-6 V"),
-    "gain_error": _Key(Dimension.NUMBER, "0.0035 %"),
-    "offset_error": _Key(Dimension.NUMBER, "0.0005 %"),
+    "noise": Figure(Dimension.VOLTAGE, "3e-6 V"),
+    "gain_error": Figure(Dimension.NUMBER, "0.0035 %"),
+    "offset_error": Figure(Dimension.NUMBER, "0.0005 %"),
 }
 
 
@@ -53,18 +43,20 @@ class MeterParameters:
 
 
 def gyro_parameters(
-    given: Mapping[str, Any], output: Output, factors: Mapping[str, float] | None = None
+    simulation: Simulation, spec: Spec, factors: Mapping[str, float] | None = None
 ) -> GyroParameters:
-    """The gyro's true figures from `simulation.gyro`, the spec's output and a scenario's factors.
+    """The gyro's true figures from the station's `simulation`, the spec and a scenario's factors.
 
     Raises `StationError` with all complaints at once.
     """
+    given, output = simulation.gyro, spec.output
     if output.bandwidth is not None:
         given = {"bandwidth": str(output.bandwidth), **given}
-    values, faults = _quantities(given, _GYRO, "simulation.gyro")
+    figures = figures_of(given, _GYRO, "simulation.gyro")
+    values, faults = figures.values, figures.faults
     scale_factor = output.scale_factor
     if output.kind is not OutputKind.VOLTAGE or scale_factor is None:
-        faults.append(_fault("simulation", _unfit(output)))
+        faults.append(fault("simulation", _unfit(output)))
     if faults or scale_factor is None:
         raise StationError(faults)
     for name, factor in (factors or {}).items():
@@ -98,10 +90,10 @@ def _unfit(output: Output) -> str:
 
 def gyro_figures(given: Mapping[str, Any]) -> dict[str, float]:
     """The gyro's true figures in canonical units; raises `StationError` with all complaints at once."""
-    values, faults = _quantities(given, _GYRO, "simulation.gyro")
-    if faults:
-        raise StationError(faults)
-    return values
+    figures = figures_of(given, _GYRO, "simulation.gyro")
+    if figures.faults:
+        raise StationError(figures.faults)
+    return figures.values
 
 
 def meter_parameters(station: Station, name: str) -> MeterParameters:
@@ -113,11 +105,12 @@ def meter_parameters(station: Station, name: str) -> MeterParameters:
     given = dict(station.simulation.instruments.get(name, {})) if station.simulation else {}
     key = f"simulation.instruments.{name}"
     model = given.pop("model", None) or _model_of(instrument.driver)
-    values, faults = _quantities(_stated_accuracy(instrument) | given, _METER, key, also=("model",))
+    figures = figures_of(_stated_accuracy(instrument) | given, _METER, key)
+    values, faults = figures.values, figures.faults
     if model not in MODELS:
         known = " or ".join(MODELS)
         faults.append(
-            _fault(f"{key}.model", f"{model or instrument.driver!r} cannot be simulated; write {known}")
+            fault(f"{key}.model", f"{model or instrument.driver!r} cannot be simulated; write {known}")
         )
     if faults:
         raise StationError(faults)
@@ -133,9 +126,9 @@ def unknown_instruments(station: Station) -> list[Fault]:
     """Complaints about entries of `simulation.instruments` for which the station has no instrument."""
     given = station.simulation.instruments if station.simulation else {}
     return [
-        _fault(
+        fault(
             f"simulation.instruments.{name}",
-            f"the station has no such instrument{_nearest(name, station.instruments)}",
+            f"the station has no such instrument{nearest(name, station.instruments)}",
         )
         for name in given
         if name not in station.instruments
@@ -155,32 +148,6 @@ def _model_of(driver: str) -> str | None:
     return next((model for model in MODELS if model.lower() in driver.lower()), None)
 
 
-def _quantities(
-    given: Mapping[str, Any], keys: Mapping[str, _Key], prefix: str, also: tuple[str, ...] = ()
-) -> tuple[dict[str, float], list[Fault]]:
-    faults = [
-        _fault(f"{prefix}.{name}", f"unknown key{_nearest(str(name), (*keys, *also))}")
-        for name in given
-        if name not in keys
-    ]
-    values: dict[str, float] = {}
-    for name, key in keys.items():
-        try:
-            value = parse_quantity(given.get(name, key.default), key.dimension).to(key.dimension)
-        except UnitError as error:
-            faults.append(_fault(f"{prefix}.{name}", str(error)))
-            continue
-        if (value < 0.0 and not key.signed) or (value == 0.0 and key.positive):
-            least = "more than zero" if key.positive else "zero or more"
-            faults.append(_fault(f"{prefix}.{name}", f"'{given.get(name)}' must be {least}"))
-        values[name] = value
-    return values, faults
-
-
-def _nearest(name: str, known: Any) -> str:
-    close = difflib.get_close_matches(name, list(known), n=1)
-    return f"; did you mean '{close[0]}'?" if close else f" (known: {', '.join(known)})"
-
-
-def _fault(key: str, message: str) -> Fault:
-    return Fault("", None, key, message)
+def line_frequency_hz(station: Station) -> float:
+    """The station's line frequency, Hz; 50 where it states none."""
+    return station.line_frequency.to("Hz") if station.line_frequency else _LINE_FREQUENCY_HZ

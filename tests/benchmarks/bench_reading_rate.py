@@ -7,7 +7,7 @@ from contextlib import closing
 
 from gyrotest.instruments.agilent34401a import Agilent34401A, Agilent34401ASettings
 from gyrotest.instruments.transport.visa import resource_manager
-from gyrotest.records.spec import Output, OutputKind
+from gyrotest.records.spec import Output, OutputKind, Spec
 from gyrotest.records.station import Instrument, Simulation, Slot, Station
 from gyrotest.simulation.bench import SimulatedBench
 from gyrotest.units import Quantity
@@ -21,9 +21,15 @@ _SETTINGS = Agilent34401ASettings(nplc=1.0, autozero=False)
 
 def main() -> None:
     """Print the rates and their ratio, both ways in turn on a fresh connection each."""
-    with SimulatedBench(_station(), _output()) as bench:
+    with SimulatedBench(_station(), _spec()) as bench:
         bench.begin(
-            units={"meter": "1234"}, case="rate", power_cycle=1, repeat=1, elapsed_s=0, duration_s=1e6
+            slot="a",
+            serial_number="1234",
+            case="rate",
+            power_cycle=1,
+            repeat=1,
+            elapsed_s=0,
+            duration_s=1e6,
         )
         rates = [(_through_driver(bench), _bare(bench)) for _ in range(_ROUNDS)]
     driver, bare = (statistics.median(each) for each in zip(*rates, strict=True))
@@ -35,9 +41,7 @@ def main() -> None:
 
 
 def _through_driver(bench: SimulatedBench) -> float:
-    source = Agilent34401A(
-        bench.addresses["meter"], _SETTINGS, clock=bench.clock, line_frequency_hz=50.0
-    )
+    source = Agilent34401A(bench.address("meter"), _SETTINGS, clock=bench.clock, line_frequency_hz=50.0)
     with closing(source):
         source.open()
         if source.configure(_INTERVAL_S).readings != 1:
@@ -51,7 +55,7 @@ def _through_driver(bench: SimulatedBench) -> float:
 
 def _bare(bench: SimulatedBench) -> float:
     meter = resource_manager().open_resource(
-        bench.addresses["meter"], read_termination="\n", write_termination="\n"
+        bench.address("meter"), read_termination="\n", write_termination="\n"
     )
     with closing(meter):
         for command in ("*RST", "CONF:VOLT:DC 10", "VOLT:DC:NPLC 1", "ZERO:AUTO OFF", "TRIG:DEL 0"):
@@ -72,11 +76,15 @@ def _station() -> Station:
     )
 
 
-def _output() -> Output:
-    return Output(
-        kind=OutputKind.VOLTAGE,
-        scale_factor=Quantity(50.0, "mV/(deg/s)"),
-        zero_rate=Quantity(2.5, "V"),
+def _spec() -> Spec:
+    return Spec(
+        model="SIM50",
+        cases={},
+        output=Output(
+            kind=OutputKind.VOLTAGE,
+            scale_factor=Quantity(50.0, "mV/(deg/s)"),
+            zero_rate=Quantity(2.5, "V"),
+        ),
     )
 
 

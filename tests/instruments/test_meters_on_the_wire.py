@@ -15,10 +15,11 @@ from gyrotest.instruments.transport.conversation import Conversation
 from gyrotest.instruments.transport.visa import open_channel
 from gyrotest.ports import Source
 from gyrotest.records.recording import SampleFlag
-from gyrotest.records.spec import Output, OutputKind
+from gyrotest.records.spec import Output, OutputKind, Spec
 from gyrotest.records.station import Instrument, Simulation, Slot, Station
-from gyrotest.simulation.bench import SimulatedBench, new_meter
+from gyrotest.simulation.bench import SimulatedBench
 from gyrotest.simulation.clock import VirtualClock
+from gyrotest.simulation.meter_peer import new_meter
 from gyrotest.simulation.prologix import PrologixDialogue
 from gyrotest.simulation.server import TcpServer, has_pty
 from gyrotest.units import Quantity
@@ -26,6 +27,7 @@ from gyrotest.units import Quantity
 OUTPUT = Output(
     kind=OutputKind.VOLTAGE, scale_factor=Quantity(50.0, "mV/(deg/s)"), zero_rate=Quantity(2.5, "V")
 )
+SPEC = Spec(model="SIM50", output=OUTPUT, cases={})
 needs_pty = pytest.mark.skipif(not has_pty(), reason="this platform has no pseudo-terminals")
 WAYS = [
     "tcp",
@@ -44,9 +46,10 @@ def bench(driver: str, way: str, scenario: str = "nominal") -> Iterator[Simulate
         slots={"a": Slot(source="meter")},
         simulation=Simulation(scenario=scenario),
     )
-    with SimulatedBench(station, OUTPUT) as served:
+    with SimulatedBench(station, SPEC) as served:
         served.begin(
-            units={"meter": "1234"},
+            slot="a",
+            serial_number="1234",
             case="static",
             power_cycle=1,
             repeat=1,
@@ -107,7 +110,7 @@ def test_a_run_over_the_wire_is_complete_and_on_its_grid(driver: str, way: str) 
         pytest.skip("the 34465A has no serial line")
     with (
         bench(driver, way) as served,
-        closing(source_of(driver, served.addresses["meter"], served)) as source,
+        closing(source_of(driver, served.address("meter"), served)) as source,
     ):
         positions, times, values, flags = acquired(source)
     assert positions == list(range(SAMPLES))
@@ -122,7 +125,7 @@ def test_every_way_to_the_same_meter_reads_the_same_values() -> None:
     for way in ("tcp", "prologix", "pty") if has_pty() else ("tcp", "prologix"):
         with (
             bench("agilent34401a", way) as served,
-            closing(source_of("agilent34401a", served.addresses["meter"], served)) as source,
+            closing(source_of("agilent34401a", served.address("meter"), served)) as source,
         ):
             runs.append(acquired(source)[2])
     assert all(run == runs[0] for run in runs)
@@ -135,7 +138,7 @@ def test_every_way_to_the_same_meter_reads_the_same_values() -> None:
 def test_a_fault_is_noticed_at_once_and_bridged_with_a_gap(scenario: str, driver: str, way: str) -> None:
     with (
         bench(driver, way, scenario) as served,
-        closing(source_of(driver, served.addresses["meter"], served, io_timeout_s=300.0)) as source,
+        closing(source_of(driver, served.address("meter"), served, io_timeout_s=300.0)) as source,
     ):
         positions, times, values, _ = acquired(source)
     assert positions == sorted(set(positions))
@@ -148,9 +151,7 @@ def test_a_fault_is_noticed_at_once_and_bridged_with_a_gap(scenario: str, driver
 def test_a_missing_reply_is_a_time_out_that_is_bridged(way: str) -> None:
     with (
         bench("agilent34401a", way, "meter-timeout") as served,
-        closing(
-            source_of("agilent34401a", served.addresses["meter"], served, io_timeout_s=0.5)
-        ) as source,
+        closing(source_of("agilent34401a", served.address("meter"), served, io_timeout_s=0.5)) as source,
     ):
         positions, _, _, _ = acquired(source)
     missing = set(range(SAMPLES)) - set(positions)
@@ -162,7 +163,7 @@ def test_a_missing_reply_is_a_time_out_that_is_bridged(way: str) -> None:
 def test_an_overload_is_flagged(driver: str) -> None:
     with (
         bench(driver, "tcp", "overload") as served,
-        closing(source_of(driver, served.addresses["meter"], served)) as source,
+        closing(source_of(driver, served.address("meter"), served)) as source,
     ):
         _, _, values, flags = acquired(source)
     bad = [flag for flag in flags if flag]
@@ -174,7 +175,7 @@ def test_an_overload_is_flagged(driver: str) -> None:
 def test_slow_readings_go_through_an_adapter_that_waits_for_three_seconds_at_most() -> None:
     with bench("agilent34401a", "prologix") as served:
         source = Agilent34401A(
-            served.addresses["meter"],
+            served.address("meter"),
             Agilent34401ASettings(nplc=100.0),
             clock=served.clock,
             line_frequency_hz=50.0,
@@ -193,7 +194,7 @@ def test_slow_readings_go_through_an_adapter_that_waits_for_three_seconds_at_mos
 
 def test_the_wrong_meter_is_named() -> None:
     with bench("keysight34465a", "tcp") as served:
-        source = source_of("agilent34401a", served.addresses["meter"], served)
+        source = source_of("agilent34401a", served.address("meter"), served)
         with pytest.raises(
             InstrumentIdentityError, match=r"found Keysight Technologies 34465A .*expected an HP"
         ):
@@ -203,7 +204,7 @@ def test_the_wrong_meter_is_named() -> None:
 def test_the_meters_are_left_local_and_can_be_opened_again() -> None:
     with bench("agilent34401a", "tcp") as served:
         for _ in range(3):
-            with closing(source_of("agilent34401a", served.addresses["meter"], served)) as source:
+            with closing(source_of("agilent34401a", served.address("meter"), served)) as source:
                 assert source.open().simulated
 
 
@@ -211,7 +212,7 @@ def test_the_meters_are_left_local_and_can_be_opened_again() -> None:
 def test_a_user_can_ask_the_meter_anything(driver: str) -> None:
     with (
         bench(driver, "tcp") as served,
-        closing(source_of(driver, served.addresses["meter"], served)) as source,
+        closing(source_of(driver, served.address("meter"), served)) as source,
     ):
         source.open()
         assert source.query("*IDN?").split(",")[1].lower() in driver
@@ -248,7 +249,7 @@ def test_two_threads_never_get_each_others_replies() -> None:
     from concurrent.futures import ThreadPoolExecutor
 
     with bench("agilent34401a", "tcp") as served:
-        address = served.addresses["meter"]
+        address = served.address("meter")
         talk = Conversation(address, open_channel(address, SerialLine(), 3.0))
 
         def ask(query: str) -> set[str]:
@@ -264,9 +265,7 @@ def test_two_threads_never_get_each_others_replies() -> None:
 def test_a_meter_that_is_dead_for_good_cannot_be_recovered() -> None:
     with (
         bench("agilent34401a", "tcp", "meter-dead") as served,
-        closing(
-            source_of("agilent34401a", served.addresses["meter"], served, io_timeout_s=0.2)
-        ) as source,
+        closing(source_of("agilent34401a", served.address("meter"), served, io_timeout_s=0.2)) as source,
     ):
         source.open()
         source.configure(1.0)

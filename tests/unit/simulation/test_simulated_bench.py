@@ -10,13 +10,14 @@ import pytest
 from numpy.typing import NDArray
 
 from gyrotest.errors import StationError
-from gyrotest.records.spec import Output, OutputKind
+from gyrotest.records.spec import Output, OutputKind, Spec
 from gyrotest.records.station import Accuracy, Instrument, Simulation, Slot, Station
 from gyrotest.simulation.bench import SimulatedBench
 from gyrotest.simulation.converter import OVERLOAD_V
 from gyrotest.simulation.dialogue import LineDialogue
+from gyrotest.simulation.meter import Meter
+from gyrotest.simulation.meter_peer import MeterPeer
 from gyrotest.simulation.meter_state import Interface
-from gyrotest.simulation.scenarios import SCENARIOS
 from gyrotest.units import Quantity
 
 OUTPUT = Output(
@@ -25,6 +26,7 @@ OUTPUT = Output(
     zero_rate=Quantity(2.5, "V"),
     bandwidth=Quantity(50.0, "Hz"),
 )
+SPEC = Spec(model="SIM50", output=OUTPUT, cases={})
 QUIET = {
     "angle_random_walk": "0 deg/sqrt(h)",
     "bias_instability_coefficient": "0 deg/h",
@@ -51,6 +53,10 @@ def station(
     )
 
 
+def spec_of(output: Output) -> Spec:
+    return replace(SPEC, output=output)
+
+
 def begin(
     bench: SimulatedBench,
     *,
@@ -61,7 +67,8 @@ def begin(
     elapsed_s: float = 600.0,
 ) -> None:
     bench.begin(
-        units={"meter": serial},
+        slot="a",
+        serial_number=serial,
         case=case,
         power_cycle=power_cycle,
         repeat=repeat,
@@ -70,9 +77,15 @@ def begin(
     )
 
 
+def meter_of(bench: SimulatedBench) -> Meter:
+    peer = bench._peers["meter"]
+    assert isinstance(peer, MeterPeer)
+    return peer.meter
+
+
 def record(bench: SimulatedBench, count: int = 1000) -> NDArray[np.float64]:
     """Readings as a client gets them, 0.4 s each, without the wire."""
-    dialogue = LineDialogue(bench._workplaces["meter"].meter, Interface.SOCKET)
+    dialogue = LineDialogue(meter_of(bench), Interface.SOCKET)
     list(dialogue.receive(b"CONF:VOLT:DC 10,1E-5\nTRIG:DEL 0\n"))
     list(dialogue.receive(b"SAMP:COUN %d\n" % count))
     said = b""
@@ -83,12 +96,12 @@ def record(bench: SimulatedBench, count: int = 1000) -> NDArray[np.float64]:
 
 
 def test_a_record_depends_on_its_name_and_not_on_those_before() -> None:
-    with SimulatedBench(station(), OUTPUT) as bench:
+    with SimulatedBench(station(), SPEC) as bench:
         begin(bench, repeat=1)
         first = record(bench)
         begin(bench, repeat=2)
         second = record(bench)
-    with SimulatedBench(station(), OUTPUT) as bench:
+    with SimulatedBench(station(), SPEC) as bench:
         begin(bench, repeat=2)
         alone = record(bench)
     assert alone == pytest.approx(second, abs=2e-6)
@@ -99,7 +112,7 @@ def test_a_record_depends_on_its_name_and_not_on_those_before() -> None:
     "change", [{"serial": "1235"}, {"case": "d"}, {"power_cycle": 1}, {"repeat": 2}]
 )
 def test_every_part_of_the_name_gives_other_noise(change: dict[str, Any]) -> None:
-    with SimulatedBench(station(), OUTPUT) as bench:
+    with SimulatedBench(station(), SPEC) as bench:
         begin(bench)
         first = record(bench, 100)
         begin(bench, **change)
@@ -109,22 +122,22 @@ def test_every_part_of_the_name_gives_other_noise(change: dict[str, Any]) -> Non
 def test_the_seed_gives_other_units() -> None:
     biases = []
     for seed in (1, 2, 3):
-        with SimulatedBench(station(), OUTPUT, seed=seed) as bench:
+        with SimulatedBench(station(), SPEC, seed=seed) as bench:
             begin(bench)
-            biases.append(bench.truth("meter", duration_s=400.0)["turn_on_bias_dps"])
+            biases.append(bench.truth("a", duration_s=400.0)["turn_on_bias_dps"])
     assert len(set(biases)) == 3
 
 
 def test_turn_on_bias_changes_with_power_cycle_and_scale_factor_with_the_unit_only() -> None:
-    with SimulatedBench(station(), OUTPUT) as bench:
+    with SimulatedBench(station(), SPEC) as bench:
         begin(bench, repeat=1)
-        first = bench.truth("meter", duration_s=400.0)
+        first = bench.truth("a", duration_s=400.0)
         begin(bench, repeat=2, case="d")
-        same_power = bench.truth("meter", duration_s=400.0)
+        same_power = bench.truth("a", duration_s=400.0)
         begin(bench, repeat=2, power_cycle=1)
-        cycled = bench.truth("meter", duration_s=400.0)
+        cycled = bench.truth("a", duration_s=400.0)
         begin(bench, serial="77")
-        other = bench.truth("meter", duration_s=400.0)
+        other = bench.truth("a", duration_s=400.0)
     assert first["turn_on_bias_dps"] == same_power["turn_on_bias_dps"] != cycled["turn_on_bias_dps"]
     assert first["scale_factor_v_per_dps"] == cycled["scale_factor_v_per_dps"]
     assert first["meter_gain_error"] == cycled["meter_gain_error"]
@@ -133,11 +146,11 @@ def test_turn_on_bias_changes_with_power_cycle_and_scale_factor_with_the_unit_on
 
 
 def test_units_are_spread_as_the_station_says() -> None:
-    with SimulatedBench(station(gyro={"turn_on_bias": "0.2 deg/s"}), OUTPUT) as bench:
+    with SimulatedBench(station(gyro={"turn_on_bias": "0.2 deg/s"}), SPEC) as bench:
         truths = []
         for serial in range(600):
             begin(bench, serial=str(serial))
-            truths.append(bench.truth("meter", duration_s=400.0))
+            truths.append(bench.truth("a", duration_s=400.0))
     biases = np.array([truth["turn_on_bias_dps"] for truth in truths])
     factors = np.array([truth["scale_factor_v_per_dps"] for truth in truths]) / 0.05 - 1.0
     assert biases.std() == pytest.approx(0.2, rel=0.1)
@@ -153,10 +166,10 @@ def test_a_quiet_unit_reads_what_the_truth_says() -> None:
         "warm_up_drift": "1 deg/s",
         "warm_up_time_constant": "100 s",
     }
-    with SimulatedBench(station(gyro=gyro, meter={"noise": "0 V"}), OUTPUT) as bench:
+    with SimulatedBench(station(gyro=gyro, meter={"noise": "0 V"}), SPEC) as bench:
         begin(bench, elapsed_s=50.0)
         values = record(bench)
-        truth = bench.truth("meter", duration_s=400.0)
+        truth = bench.truth("a", duration_s=400.0)
     rate = truth["bias_dps"] + truth["input_rate_dps"]
     volts = truth["scale_factor_v_per_dps"] * rate + truth["zero_rate_v"]
     volts = volts * (1.0 + truth["meter_gain_error"]) + truth["meter_offset_of_range"] * 10.0
@@ -171,18 +184,18 @@ def test_the_meters_errors_stay_within_the_stations_accuracy() -> None:
     stated = Accuracy(
         of_reading=Quantity(100.0, "ppm"), of_range=Quantity(20.0, "ppm"), noise=Quantity(5.0, "uV")
     )
-    with SimulatedBench(station(accuracy=stated), OUTPUT) as bench:
+    with SimulatedBench(station(accuracy=stated), SPEC) as bench:
         truths = []
         for serial in range(200):
             begin(bench, serial=str(serial))
-            truths.append(bench.truth("meter", duration_s=1.0))
+            truths.append(bench.truth("a", duration_s=1.0))
     assert 90e-6 < max(abs(truth["meter_gain_error"]) for truth in truths) <= 100e-6
     assert 18e-6 < max(abs(truth["meter_offset_of_range"]) for truth in truths) <= 20e-6
     assert [truth["meter_noise_v"] for truth in truths] == pytest.approx([5e-6] * 200)
 
 
 def played(scenario: str) -> NDArray[np.float64]:
-    with SimulatedBench(station(), OUTPUT, scenario=scenario) as bench:
+    with SimulatedBench(station(), SPEC, scenario=scenario) as bench:
         begin(bench)
         return record(bench)
 
@@ -213,25 +226,10 @@ def test_a_stuck_meter_repeats_a_reading_from_half_of_the_record_on() -> None:
     assert len(set(values[:500])) > 400
 
 
-def test_every_scenario_is_known_by_its_name() -> None:
-    assert {
-        "nominal",
-        "out-of-limits",
-        "dead-output",
-        "inverted",
-        "overload",
-        "meter-timeout",
-        "meter-disconnects",
-        "meter-dead",
-        "garbled-replies",
-        "stuck-reading",
-    } == set(SCENARIOS)
-
-
 def test_an_instrument_without_a_record_has_no_truth() -> None:
-    with SimulatedBench(station(), OUTPUT) as bench:
-        assert bench.truth("meter", duration_s=1.0) == {}
-        assert bench.truth("nobody", duration_s=1.0) == {}
+    with SimulatedBench(station(), SPEC) as bench:
+        assert bench.truth("a", duration_s=1.0) == {}
+        assert bench.truth("nowhere", duration_s=1.0) == {}
 
 
 @pytest.mark.parametrize(
@@ -252,21 +250,21 @@ def test_an_instrument_without_a_record_has_no_truth() -> None:
 )
 def test_a_complaint_names_the_key(given: dict[str, Any], complaint: str) -> None:
     with pytest.raises(StationError) as refused:
-        SimulatedBench(station(**given), OUTPUT)
+        SimulatedBench(station(**given), SPEC)
     assert complaint in str(refused.value)
 
 
 def test_all_complaints_about_the_gyro_come_at_once() -> None:
     gyro = {"bandwidth": "1 s", "turn_on_bias": "1 V", "unknown": 1}
     with pytest.raises(StationError) as refused:
-        SimulatedBench(station(gyro=gyro), OUTPUT)
+        SimulatedBench(station(gyro=gyro), SPEC)
     assert len(refused.value.faults) == 3
 
 
 def test_an_entry_for_no_instrument_is_refused() -> None:
     made = replace(station(), simulation=Simulation(instruments={"metre": {}}))
     with pytest.raises(StationError, match="did you mean 'meter'"):
-        SimulatedBench(made, OUTPUT)
+        SimulatedBench(made, SPEC)
 
 
 @pytest.mark.parametrize("resource", ["simulated:gpib", "simulated:"])
@@ -275,22 +273,22 @@ def test_an_unknown_way_to_a_simulated_instrument_is_refused(resource: str) -> N
         station(), instruments={"meter": Instrument(driver="agilent34401a", resource=resource)}
     )
     with pytest.raises(StationError, match=r"instruments\.meter\.resource: 'simulated:"):
-        SimulatedBench(made, OUTPUT)
+        SimulatedBench(made, SPEC)
 
 
 def test_an_output_that_is_no_voltage_is_refused() -> None:
     with pytest.raises(StationError, match="voltage output"):
-        SimulatedBench(station(), Output(kind=OutputKind.RATE))
+        SimulatedBench(station(), spec_of(Output(kind=OutputKind.RATE)))
 
 
 def test_a_station_without_a_simulation_section_is_nominal() -> None:
-    with SimulatedBench(replace(station(), simulation=None), OUTPUT) as bench:
+    with SimulatedBench(replace(station(), simulation=None), SPEC) as bench:
         begin(bench)
         assert record(bench, 10).mean() == pytest.approx(2.5, abs=0.1)
 
 
 def test_real_time_is_the_real_clock() -> None:
-    with SimulatedBench(station(), OUTPUT, real_time=True) as bench:
+    with SimulatedBench(station(), SPEC, real_time=True) as bench:
         before_s = bench.clock.now_s()
         bench.clock.sleep_until(before_s + 0.01)
         assert bench.clock.now_s() >= before_s + 0.01
@@ -300,9 +298,9 @@ def test_a_gyro_that_puts_out_rates_is_sent_to_another_station() -> None:
     with pytest.raises(
         StationError, match=r"output\.kind is 'rate'; name another station by --gyro-sta.*replay"
     ):
-        SimulatedBench(station(), Output(kind=OutputKind.RATE))
+        SimulatedBench(station(), spec_of(Output(kind=OutputKind.RATE)))
 
 
 def test_a_voltage_without_its_scale_factor_is_refused() -> None:
     with pytest.raises(StationError, match=r"the spec has no 'output\.scale_factor'"):
-        SimulatedBench(station(), Output(kind=OutputKind.VOLTAGE))
+        SimulatedBench(station(), spec_of(Output(kind=OutputKind.VOLTAGE)))

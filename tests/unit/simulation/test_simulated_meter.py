@@ -10,10 +10,10 @@ from gyrotest.simulation.converter import Converter, MeterErrors
 from gyrotest.simulation.faults import Faults
 from gyrotest.simulation.gyro import SteadyOutput
 from gyrotest.simulation.meter import Meter
+from gyrotest.simulation.meter_peer import new_meter
 from gyrotest.simulation.meter_state import Interface
 from gyrotest.simulation.scenarios import SCENARIOS, Strike
 from gyrotest.simulation.streams import Normals, generator
-from gyrotest.simulation.workplace import new_meter
 
 
 class Desk:

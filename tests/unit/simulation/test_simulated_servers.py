@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from gyrotest.errors import RefusedError
-from gyrotest.records.spec import Output, OutputKind
+from gyrotest.records.spec import Output, OutputKind, Spec
 from gyrotest.records.station import Instrument, Simulation, Slot, Station
 from gyrotest.simulation.bench import SimulatedBench
 from gyrotest.simulation.serve import StandaloneMeter, serve_meter
@@ -21,6 +21,7 @@ OUTPUT = Output(
     scale_factor=Quantity(50.0, "mV/(deg/s)"),
     zero_rate=Quantity(2.5, "V"),
 )
+SPEC = Spec(model="SIM50", output=OUTPUT, cases={})
 
 needs_pty = pytest.mark.skipif(not has_pty(), reason="this platform has no pseudo-terminals")
 
@@ -36,15 +37,21 @@ def station(resource: str, *, scenario: str = "nominal", driver: str = "agilent3
 
 @contextlib.contextmanager
 def bench(resource: str, scenario: str = "nominal") -> Iterator[SimulatedBench]:
-    with SimulatedBench(station(resource, scenario=scenario), OUTPUT) as made:
+    with SimulatedBench(station(resource, scenario=scenario), SPEC) as made:
         made.begin(
-            units={"meter": "1234"}, case="c", power_cycle=0, repeat=1, elapsed_s=600.0, duration_s=100.0
+            slot="a",
+            serial_number="1234",
+            case="c",
+            power_cycle=0,
+            repeat=1,
+            elapsed_s=600.0,
+            duration_s=100.0,
         )
         yield made
 
 
 def connect(made: SimulatedBench) -> socket.socket:
-    address = made.addresses["meter"].partition(" ")[0]
+    address = made.address("meter").partition(" ")[0]
     connection = socket.create_connection(("127.0.0.1", int(address.split("::")[2])), timeout=5.0)
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     return connection
@@ -163,7 +170,7 @@ def test_pyvisa_reads_over_every_way() -> None:
     values = []
     for way in ways:
         with bench(way) as made, contextlib.closing(pyvisa.ResourceManager("@py")) as manager:
-            *interfaces, address = made.addresses["meter"].split()
+            *interfaces, address = made.address("meter").split()
             opened = [manager.open_resource(one) for one in interfaces]
             for one in opened:
                 one.write_raw(b"++read_tmo_ms 3000\n")
@@ -184,7 +191,7 @@ def test_a_serial_device_clear_drops_half_a_message() -> None:
     import serial
 
     with bench("simulated:pty") as made:
-        path = made.addresses["meter"].removeprefix("ASRL").removesuffix("::INSTR")
+        path = made.address("meter").removeprefix("ASRL").removesuffix("::INSTR")
         with serial.Serial(path, timeout=5.0) as line:
             line.write(b"VOLT:DC:NP\x03SYST:VERS?\n")
             assert line.readline() == b"1991.0\r\n"
@@ -197,7 +204,7 @@ def test_many_readings_pass_a_serial_line_whole() -> None:
     import serial
 
     with bench("simulated:pty") as made:
-        path = made.addresses["meter"].removeprefix("ASRL").removesuffix("::INSTR")
+        path = made.address("meter").removeprefix("ASRL").removesuffix("::INSTR")
         with serial.Serial(path, timeout=5.0) as line:
             line.write(b"SYST:REM\nSAMP:COUN 3000\nREAD?\n")
             assert len(line.readline().split(b",")) == 3000
@@ -209,9 +216,10 @@ def test_several_instruments_have_addresses_of_their_own() -> None:
         instruments={
             name: Instrument(driver="agilent34401a", resource="simulated:prologix") for name in "ab"
         },
+        slots={name: Slot(source=name) for name in "ab"},
     )
-    with SimulatedBench(two, OUTPUT) as made:
-        first, second = (made.addresses[name] for name in "ab")
+    with SimulatedBench(two, SPEC) as made:
+        first, second = (made.address(name) for name in "ab")
         assert first.startswith("PRLGX-TCPIP0::127.0.0.1::")
         assert first.endswith("::INTFC GPIB0::22::INSTR")
         assert second.startswith("PRLGX-TCPIP1::")
@@ -226,8 +234,8 @@ def test_only_simulated_resources_are_served() -> None:
             "real": Instrument(driver="agilent34401a", resource="GPIB0::22::INSTR"),
         },
     )
-    with SimulatedBench(mixed, OUTPUT) as made:
-        assert set(made.addresses) == {"meter"}
+    with SimulatedBench(mixed, SPEC) as made:
+        assert [made.simulates(name) for name in ("meter", "real")] == [True, False]
 
 
 def test_a_meter_alone_serves_any_program() -> None:
