@@ -64,8 +64,21 @@ class Playback(Protocol):
     def cue(self, position_s: float) -> None:
         """Wind to a position, seconds of samples from the begin; the next acquisition begins there."""
 
+
+@runtime_checkable
+class Remarking(Protocol):
+    """A source that has more to say of an acquisition than its samples: what was lost, and why."""
+
     def remarks(self) -> tuple[str, ...]:
-        """What is to be known of the stretch that was played, for the certificate."""
+        """What is to be known of the acquisition made last, for the certificate."""
+
+
+@runtime_checkable
+class Selecting(Protocol):
+    """A source with many channels, of which some are wanted."""
+
+    def select(self, outputs: tuple[str, ...], auxiliary: tuple[str, ...]) -> None:
+        """Say which, before `configure`: gyro outputs, and what is recorded beside them."""
 
 
 @runtime_checkable

@@ -13,6 +13,7 @@ class Coming:
     sampling: Sampling
     source: Identity
     samples: int
+    steps: int = 1
 
 
 class Progress(Protocol):

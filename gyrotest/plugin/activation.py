@@ -84,7 +84,7 @@ def _open_runs(request: Request) -> list[tuple[RunFolder, RunHeader]]:
     order = request.order
     if request.resume is not None:
         return [reopen_run(order, request.resume)]
-    slots = tuple(order.station.station.slots)
+    slots = order.station.station.slots_for(order.spec.spec.model)
     return [
         open_run(order, serial_number, slots[index % len(slots)])
         for index, serial_number in enumerate(order.serial_numbers)

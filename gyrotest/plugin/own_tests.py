@@ -7,6 +7,7 @@ from typing import TypeVar
 import pytest
 
 from gyrotest.acquisition.acquire import Acquisition
+from gyrotest.acquisition.tracks import Track
 from gyrotest.conformity import judge, line
 from gyrotest.errors import AcquisitionError, GyrotestError, InstrumentError
 from gyrotest.plugin.properties import add_properties
@@ -18,9 +19,11 @@ from gyrotest.records.result import JudgedResult, Measurand, Result, Verdict
 from gyrotest.records.run import Attempt, Outcome, PlannedItem
 from gyrotest.records.spec import DecisionRule, Limit
 from gyrotest.runner.bench import Bench, OpenSource
-from gyrotest.runner.flow import UnitRun, origin_of
+from gyrotest.runner.channels import Share, configured
+from gyrotest.runner.flow import UnitRun
 from gyrotest.runner.folder import item_file_name
 from gyrotest.runner.items import Moment
+from gyrotest.runner.taking import origin_of
 from gyrotest.units import Dimension, parse_quantity, same_dimension
 
 T = TypeVar("T")
@@ -98,16 +101,18 @@ class GyroAcquire:
         opened = bench.source(run.header.slot, self._serial_number)
         _stage(self._session, self._serial_number, self._item.nodeid, self._count, plan)
         try:
-            header = self._header(run, bench, opened, plan)
+            slot = self._session.order.station.station.slots[run.header.slot]
+            axes = self._session.order.spec.spec.output.axes
+            (share,) = configured(opened, [slot], plan.interval_s, axes)
+            header = self._header(run, bench, opened, plan, share)
             acquisition = Acquisition(
                 source=opened.source,
                 clock=bench.clock,
                 progress=self._session.progress,
-                run_folder=run.folder.path,
-                header=header,
+                tracks=(Track(run_folder=run.folder.path, header=header, columns=share.columns),),
                 plan=plan,
             )
-            recording = acquisition.run()
+            (recording,) = acquisition.run()
         except GyrotestError:
             bench.drop(opened)
             raise
@@ -132,7 +137,9 @@ class GyroAcquire:
             )
         )
 
-    def _header(self, run: UnitRun, bench: Bench, opened: OpenSource, plan: Plan) -> RecordingHeader:
+    def _header(
+        self, run: UnitRun, bench: Bench, opened: OpenSource, plan: Plan, share: Share
+    ) -> RecordingHeader:
         item = item_file_name(f"{self._item.nodeid}-{self._count}")
         return RecordingHeader(
             run_id=run.header.run_id,
@@ -143,7 +150,7 @@ class GyroAcquire:
             spec_sha256=run.header.spec.sha256,
             started_utc=bench.clock.utc(),
             planned_samples=plan.samples,
-            sampling=opened.source.configure(plan.interval_s),
+            sampling=share.sampling,
             source=opened.use.identity,
             meta=run.header.meta,
         )
@@ -258,13 +265,14 @@ def _limit(low: str | None, high: str | None, decision: str, dimension: Dimensio
 
 def _stage(session: GyroSession, serial_number: str, name: str, count: int, plan: Plan) -> None:
     bench, run = session.bench(), session.put_on_bench(serial_number)
-    since_power_on_s = bench.clock.now_s() - bench.powered_on_s
+    since_power_on_s = bench.clock.now_s() - bench.powered_on_s(run.header.slot)
     bench.stage(
         run.header.slot,
         serial_number,
         PlannedItem(name=name, case=name, repeat=count),
         moment=Moment(power_cycle=1, elapsed_s=since_power_on_s),
         plan=plan,
+        case=None,
     )
 
 

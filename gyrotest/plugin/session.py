@@ -1,5 +1,6 @@
 """What one pytest process knows of the runs that it works on."""
 
+import functools
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -44,6 +45,8 @@ class GyroSession:
                 progress=self.progress,
                 confirm=self.prompt.confirm,
             )
+            run = self.runs[header.serial_number]
+            run.partners = functools.partial(self._partners, run)
             if not self.is_worker:
                 self.runs[header.serial_number].note_progress()
 
@@ -51,7 +54,7 @@ class GyroSession:
         """The bench, opened and owned."""
         if self._bench is None:
             self.lock_bench()
-            self._bench = Bench(self.order.station.station, self.order.spec.spec.output, self.choice)
+            self._bench = Bench(self.order.station.station, self.order.spec.spec, self.choice)
         return self._bench
 
     def prepare_bench(self) -> None:
@@ -80,16 +83,29 @@ class GyroSession:
             and before != serial_number
             and self.runs[before].header.slot == run.header.slot
         ):
+            self.bench().power_off(run.header.slot)
             self.prompt.confirm(
                 f"Put unit {serial_number} into slot {run.header.slot} in place of {before}"
             )
-            self.bench().power_was_cycled()
+            self.bench().power_was_cycled(run.header.slot)
         self._unit_on_bench = serial_number
         return run
 
     def instruments_used(self, slot: str) -> tuple[InstrumentUse, ...]:
         """What was opened so far for a slot; opens nothing."""
-        return self._bench.opened(slot) if self._bench is not None else ()
+        return self._bench.used(slot) if self._bench is not None else ()
+
+    def _partners(self, run: UnitRun) -> tuple[UnitRun, ...]:
+        """The runs of the units that the same source reads on other channels, in this process."""
+        slots = self.order.station.station.slots
+        if self.is_worker:
+            return ()
+        return tuple(
+            other
+            for other in self.runs.values()
+            if other.header.slot != run.header.slot
+            and slots[other.header.slot].source == slots[run.header.slot].source
+        )
 
     def close_bench(self) -> None:
         """Leave the bench safe and give it back."""

@@ -8,27 +8,23 @@ from pathlib import Path
 from gyrotest.errors import RecordingError
 from gyrotest.recordings import parquet
 from gyrotest.recordings.batches import read_batches, segment_files
+from gyrotest.recordings.facts import Facts
 from gyrotest.recordings.segment import sync_folder
-from gyrotest.records.recording import Gap, RecordingHeader
 
 _log = logging.getLogger(__name__)
 
 
-def segments_to_parquet(
-    folder: Path, target: Path, header: RecordingHeader, gaps: Iterable[Gap], *, rows: int
-) -> None:
-    """Convert a closed folder of segments with so many rows, and remove it.
+def segments_to_parquet(folder: Path, target: Path, facts: Facts) -> None:
+    """Convert a closed folder of segments, of which these facts are known, and remove it.
 
     Raises `RecordingError` or `OSError`; the segments then stay and nothing is left aside.
     """
     aside = target.with_name(f"{target.name}.part")
     files = segment_files(folder)
     try:
-        parquet.write(
-            aside, header, gaps, (batch.rows for file in files for batch in read_batches(file))
-        )
+        parquet.write(aside, facts, (batch.rows for file in files for batch in read_batches(file)))
         _sync(aside)
-        _verify(aside, rows)
+        _verify(aside, facts.rows)
         if target.exists():
             raise RecordingError(f"{target}: exists; it is not overwritten")
         aside.rename(target)

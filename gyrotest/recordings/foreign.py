@@ -1,8 +1,8 @@
 """A recorded file as samples at places on a grid: its window, its stamps, its unit."""
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -43,9 +43,10 @@ class Window:
 class ForeignFile:
     """A file that is read as often as asked, block by block.
 
-    `interval_s` is known from outside or, with a time column, found in the stamps; `factor` turns
-    the file's numbers into the unit wanted, `time_factor_s` those of the time column into seconds, where
-    they are no dates.
+    `interval_s` is known from outside or, with a time column, found in the stamps; `factors` turn the
+    numbers of each column into the unit wanted, `time_factor_s` those of the time column into seconds,
+    where they are no dates. The first `outputs` columns are what is tested: a sample that lacks one of
+    them is flagged; where one of the others is missing it is NaN.
     Everything raises `RecordingError`.
     """
 
@@ -56,11 +57,13 @@ class ForeignFile:
         window: Window,
         *,
         interval_s: float | None,
-        factor: float,
+        factors: Sequence[float],
+        outputs: int = 1,
         time_factor_s: float,
     ) -> None:
         self._path, self._selection, self._window = path, selection, window
-        self._factor, self._time_factor_s = factor, time_factor_s
+        self._factors = np.array(factors, dtype=np.float64)
+        self._outputs, self._time_factor_s = outputs, time_factor_s
         self.stamps = None if selection.time_column is None else self._surveyed(interval_s)
         self.interval_s = self._known_interval(interval_s)
 
@@ -69,7 +72,7 @@ class ForeignFile:
         grid = Grid(self.stamps) if self.stamps else None
         begin: int | None = None
         for part in self._parts():
-            row, time_s, values = part.row, self._time_s(part), part.values
+            row, time_s, values = part.row, self._time_s(part), self._scaled(part)
             if grid is None:
                 begin = int(row[0]) if begin is None and row.size else begin
                 place = row - (begin or 0)
@@ -81,11 +84,20 @@ class ForeignFile:
     def _placed(
         self, place: NDArray[np.int64], time_s: NDArray[np.float64], values: NDArray[np.float64]
     ) -> Placed:
-        flags = np.where(np.isnan(values), SampleFlag.NOT_A_NUMBER.value, SampleFlag.GOOD.value).astype(
-            np.uint8
-        )
-        flags[np.isinf(values)] = SampleFlag.OVERLOAD.value
-        return Placed(place=place, time_s=time_s, values=values * self._factor, flags=flags)
+        flags = np.zeros(place.size, dtype=np.uint8)
+        outputs = values[:, : self._outputs]
+        if not np.isfinite(outputs).all():
+            flags[np.isnan(outputs).any(axis=1)] = SampleFlag.NOT_A_NUMBER.value
+            flags[np.isinf(outputs).any(axis=1)] = SampleFlag.OVERLOAD.value
+        return Placed(place=place, time_s=time_s, values=values, flags=flags)
+
+    def _scaled(self, part: Part) -> NDArray[np.float64]:
+        """Return all columns (n, columns) in their units."""
+        columns = (part.values, *part.beside)
+        scaled = np.empty((part.row.size, len(columns)), order="F")
+        for at, column in enumerate(columns):
+            np.multiply(column, self._factors[at], out=scaled[:, at])
+        return scaled
 
     def _parts(self) -> Iterator[Part]:
         """Yield the rows inside the window, and stop reading behind it."""
@@ -94,15 +106,7 @@ class ForeignFile:
             if part.row.size and last is not None and part.row[0] > last:
                 return
             inside = self._window.takes(part.row, self._time_s(part))
-            if inside.all():
-                yield part
-            else:
-                yield replace(
-                    part,
-                    row=part.row[inside],
-                    values=part.values[inside],
-                    time=None if part.time is None else part.time[inside],
-                )
+            yield part if inside.all() else part.kept(inside)
 
     def _last_row(self) -> int | None:
         """The number of the last row that can be inside, where the numbers tell."""

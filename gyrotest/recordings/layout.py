@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.errors import RecordingError
-from gyrotest.records.recording import Auxiliary, Gap, Identity, RecordingHeader, Sampling
+from gyrotest.records.recording import Auxiliary, Dwell, Gap, Identity, RecordingHeader, Sampling
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -29,6 +29,7 @@ HEADER_KEY = b"gyrotest.recording"
 METADATA_CRC_KEY = b"gyrotest.crc32"
 SEGMENT_KEY = b"gyrotest.segment"
 GAPS_KEY = b"gyrotest.gaps"
+DWELLS_KEY = b"gyrotest.dwells"
 CONTENT_KEY = b"content.gyrotest"
 
 BATCH_ROW = b"row"
@@ -138,6 +139,16 @@ def header_from_json(text: bytes) -> RecordingHeader:
 def gaps_to_json(gaps: Iterable[Gap]) -> bytes:
     """Gaps as JSON, for the metadata."""
     return json.dumps([asdict(gap) for gap in gaps], ensure_ascii=False).encode()
+
+
+def dwells_to_json(dwells: Iterable[Dwell]) -> bytes:
+    """Steps that were carried out as JSON, for the metadata."""
+    return json.dumps([asdict(dwell) for dwell in dwells], ensure_ascii=False).encode()
+
+
+def dwells_from_json(text: bytes) -> tuple[Dwell, ...]:
+    """Steps out of the metadata."""
+    return tuple(Dwell(**dwell) for dwell in json.loads(text))
 
 
 def gaps_from_json(text: bytes) -> tuple[Gap, ...]:

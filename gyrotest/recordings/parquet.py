@@ -1,7 +1,6 @@
 """A recording as a Parquet file: written aside batch by batch, and read batch by batch."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,45 +9,40 @@ import numpy as np
 from gyrotest.errors import RecordingError
 from gyrotest.recordings.batches import rows_of_columns, said
 from gyrotest.recordings.content import Content, rows_in_json
+from gyrotest.recordings.facts import Facts
 from gyrotest.recordings.journal import Rows
 from gyrotest.recordings.layout import (
     BATCH_ROWS,
     CONTENT_KEY,
+    DWELLS_KEY,
     GAPS_KEY,
     columns_of,
+    dwells_from_json,
+    dwells_to_json,
     gaps_from_json,
     gaps_to_json,
     header_from_metadata,
     recording_schema,
 )
-from gyrotest.records.recording import Gap, RecordingHeader
 
 # A row group per this many rows: what the writer and the reader hold in memory.
 _GROUP_ROWS = 4 * BATCH_ROWS
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Facts:
-    """What the file's footer says."""
-
-    header: RecordingHeader
-    rows: int
-    gaps: tuple[Gap, ...]
-
-
 def read_facts(path: Path) -> Facts:
-    """Header, number of rows and gaps of a Parquet recording; raises `RecordingError`."""
+    """What the footer of a Parquet recording says; raises `RecordingError`."""
     with _open(path) as file:
         try:
             metadata = file.schema_arrow.metadata
             header = header_from_metadata(metadata)
             gaps = gaps_from_json(metadata.get(GAPS_KEY, b"[]"))
+            dwells = dwells_from_json(metadata.get(DWELLS_KEY, b"[]"))
             rows = rows_in_json((file.metadata.metadata or {}).get(CONTENT_KEY, b"{}"))
         except (RecordingError, ValueError, KeyError) as error:
             raise RecordingError(f"{path}: {said(error)}") from error
         if rows != file.metadata.num_rows:
             raise RecordingError(f"{path}: damaged: of {rows} rows {file.metadata.num_rows} are there")
-        return Facts(header=header, rows=rows, gaps=gaps)
+        return Facts(header=header, rows=rows, gaps=gaps, dwells=dwells)
 
 
 def iterate(path: Path) -> Iterator[Rows]:
@@ -71,12 +65,16 @@ def iterate(path: Path) -> Iterator[Rows]:
             )
 
 
-def write(path: Path, header: RecordingHeader, gaps: Iterable[Gap], parts: Iterable[Rows]) -> None:
+def write(path: Path, facts: Facts, parts: Iterable[Rows]) -> None:
     """Write rows to a new file; raises `OSError`."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    schema = recording_schema(header, {GAPS_KEY: gaps_to_json(gaps)})
+    header = facts.header
+    extra = {GAPS_KEY: gaps_to_json(facts.gaps)}
+    if facts.dwells:
+        extra[DWELLS_KEY] = dwells_to_json(facts.dwells)
+    schema = recording_schema(header, extra)
     floats = {"time_s": "BYTE_STREAM_SPLIT"} | dict.fromkeys(
         header.sampling.columns, "BYTE_STREAM_SPLIT"
     )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Placed:
-    """Samples and their places, which grow; `time_s` on the file's own scale."""
+    """Samples and their places, which grow; `time_s` on the file's own scale, `values` (n, columns)."""
 
     place: NDArray[np.int64]
     time_s: NDArray[np.float64]
@@ -69,7 +69,7 @@ class Averages:
         means = Placed(
             place=groups,
             time_s=samples.time_s[begins],
-            values=np.add.reduceat(samples.values, begins) / self._size,
+            values=np.add.reduceat(samples.values, begins, axis=0) / self._size,
             flags=np.bitwise_or.reduceat(samples.flags, begins),
         )
         return means.part(whole)

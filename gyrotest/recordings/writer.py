@@ -12,10 +12,11 @@ from typing import Self
 from gyrotest.errors import RecordingError, RefusedError
 from gyrotest.recordings.convert import segments_to_parquet
 from gyrotest.recordings.digest import sha256_of
+from gyrotest.recordings.facts import Facts
 from gyrotest.recordings.journal import Journal, Rows, rows_of
 from gyrotest.recordings.layout import BATCH_ROWS, FOLDER, recording_name
 from gyrotest.recordings.tally import Tally
-from gyrotest.records.recording import Block, Gap, Recording, RecordingHeader
+from gyrotest.records.recording import Block, Dwell, Gap, Recording, RecordingHeader
 
 _log = logging.getLogger(__name__)
 
@@ -73,6 +74,7 @@ class RecordingWriter:
         self._header, self._monotonic_s = header, monotonic_s
         self._journal = Journal(self._folder, header, utc)
         self._tally = Tally(header.sampling.interval_s)
+        self._dwells: list[Dwell] = []
         self._pending: list[Block] = []
         self._next_index = self._pending_rows = 0
         self._written_s = self._synced_s = float("-inf")
@@ -134,6 +136,10 @@ class RecordingWriter:
         except OSError as error:
             raise self._failure(error) from error
 
+    def dwell(self, dwell: Dwell) -> None:
+        """Put a step of the plan that was carried out on record."""
+        self._dwells.append(dwell)
+
     def close(self, *, complete: bool) -> Recording:
         """End the recording; a complete one becomes Parquet. The same answer when asked again.
 
@@ -165,6 +171,7 @@ class RecordingWriter:
             samples=self._journal.rows,
             complete=complete,
             gaps=tuple(self._tally.gaps),
+            dwells=tuple(self._dwells),
             flagged=self._tally.flagged,
             largest_lateness_s=self._tally.largest_lateness_s,
         )
@@ -173,7 +180,14 @@ class RecordingWriter:
         """Whether the segments became Parquet; if not they stay, for nothing measured is lost."""
         try:
             segments_to_parquet(
-                self._folder, self._target, self._header, self._tally.gaps, rows=self._journal.rows
+                self._folder,
+                self._target,
+                Facts(
+                    header=self._header,
+                    rows=self._journal.rows,
+                    gaps=tuple(self._tally.gaps),
+                    dwells=tuple(self._dwells),
+                ),
             )
         except (OSError, RecordingError) as error:
             _log.warning(

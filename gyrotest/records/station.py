@@ -135,6 +135,13 @@ class Slot:
     channel: Annotated[
         str | None, Described("The instrument's channel, where it has several.", "'101'")
     ] = None
+    channels: Annotated[
+        Mapping[str, str],
+        Described(
+            "Of a unit with several axes: the instrument's channel of each.",
+            "{x: '101', y: '102', z: '103'}",
+        ),
+    ] = field(default_factory=dict)
     auxiliary: Annotated[
         Mapping[str, str],
         Described(
@@ -253,6 +260,11 @@ class Station:
             "The simulated bench; with it every instrument is simulated, and the certificate says so."
         ),
     ] = None
+
+    def slots_for(self, model: str) -> tuple[str, ...]:
+        """The slots where a model goes: those that name it; where none does, those that name no model."""
+        naming = tuple(name for name, slot in self.slots.items() if model in slot.models)
+        return naming or tuple(name for name, slot in self.slots.items() if not slot.models)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

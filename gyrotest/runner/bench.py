@@ -1,20 +1,25 @@
-"""The opened bench: clock, sources by slot, and the simulated bench where the station is one."""
+"""The opened bench: clock, sources, what moves and powers the units, and the simulated bench where it is one."""
 
-from collections.abc import Mapping
+import contextlib
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from gyrotest.acquisition.stimulation import Stimulation
 from gyrotest.clock import RealClock
 from gyrotest.errors import RefusedError
-from gyrotest.ports import Clock, Source
+from gyrotest.ports import Clock, DigitalGyro, Source
 from gyrotest.records.plan import Plan
 from gyrotest.records.run import InstrumentUse, PlannedItem
-from gyrotest.records.spec import Output
-from gyrotest.records.station import Accuracy, Instrument, Station
-from gyrotest.registry import INSTRUMENTS, load
+from gyrotest.records.spec import Case, Spec
+from gyrotest.records.station import Accuracy, Motion, Slot, Station
+from gyrotest.runner.drivers import Drivers
 from gyrotest.runner.items import Moment
 
 if TYPE_CHECKING:
+    from gyrotest.acquisition.power import Power
+    from gyrotest.acquisition.soaking import ChamberDrive
+    from gyrotest.acquisition.turning import TableDrive
     from gyrotest.simulation.bench import SimulatedBench
 
 
@@ -37,102 +42,222 @@ class OpenSource:
 
 
 class Bench:
-    """A station whose instruments are opened on first use and closed together.
+    """A station whose instruments are opened on first use and closed together, tables first.
 
-    `powered_on_s` is when the units under test were powered on, as far as the run knows: its own start.
+    `events` are what happened to the units' power since it was last asked.
     """
 
-    def __init__(self, station: Station, output: Output, choice: SimulationChoice) -> None:
+    def __init__(self, station: Station, spec: Spec, choice: SimulationChoice) -> None:
         self.station = station
-        self._simulated = _simulated_bench(station, output, choice)
+        self._spec = spec
+        self._simulated = _simulated_bench(station, spec, choice)
         self.clock: Clock = self._simulated.clock if self._simulated else RealClock()
-        self.powered_on_s = self.clock.now_s()
-        self._open: dict[tuple[str, str], OpenSource] = {}
+        self._drivers = Drivers(station, self.clock, self._resource)
+        self._begun_s = self.clock.now_s()
+        self._powered_on_s: dict[str, float] = {}
+        self._sources: dict[tuple[str, str], OpenSource] = {}
+        self._tables: dict[str, TableDrive] = {}
+        self._chambers: dict[str, ChamberDrive] = {}
+        self._supplies: dict[tuple[str, int], Power] = {}
+        self._uses: dict[str, InstrumentUse] = {}
+        self._safe = contextlib.ExitStack()
+        self._events: list[str] = []
 
     def source(self, slot: str, serial_number: str) -> OpenSource:
-        """The source that reads a slot, opened; raises `InstrumentError`."""
+        """The source that reads a slot, opened, the slot powered; raises `InstrumentError`."""
+        self.power_on(slot)
+        if self._simulated:
+            self._simulated.insert(slot=slot, serial_number=serial_number)
         name = self.station.slots[slot].source
         resource = self._resource(name).replace("{serial}", serial_number)
-        opened = self._open.get((name, resource))
+        opened = self._sources.get((name, resource))
         if opened is None:
-            opened = self._open[name, resource] = self._opened(name, resource)
+            if self._simulated:
+                self._simulated.insert(slot=slot, serial_number=serial_number)
+            driver = self._drivers.source(name, resource)
+            use = self._drivers.opened(name, resource, driver)
+            accuracy = self.station.instruments[name].accuracy
+            opened = OpenSource(source=driver, use=use, accuracy=accuracy)
+            self._sources[name, resource] = opened
         return opened
 
-    def opened(self, slot: str) -> tuple[InstrumentUse, ...]:
-        """The instruments that were opened for a slot."""
-        name = self.station.slots[slot].source
-        return tuple(one.use for (opened, _), one in self._open.items() if opened == name)
+    def used(self, slot: str) -> tuple[InstrumentUse, ...]:
+        """The instruments that were opened for a slot, its source first."""
+        place = self.station.slots[slot]
+        sources = [one.use for (name, _), one in self._sources.items() if name == place.source]
+        others = (place.table, place.supply, place.chamber)
+        return (*sources, *(self._uses[name] for name in others if name in self._uses))
 
     def drop(self, opened: OpenSource) -> None:
         """Close a source that misbehaved; the next use opens it anew."""
         opened.source.close()
-        self._open = {key: one for key, one in self._open.items() if one is not opened}
+        self._sources = {key: one for key, one in self._sources.items() if one is not opened}
+
+    # Power
+
+    def powered_on_s(self, slot: str) -> float:
+        """When the unit in a slot was powered on, as far as the run knows: its own start."""
+        return self._powered_on_s.get(slot, self._begun_s)
+
+    def power_on(self, slot: str) -> None:
+        """Switch a slot's supply on, where it has one and the spec says how; raises `InstrumentError`."""
+        power = self._power(slot)
+        if power is not None and not power.is_on:
+            self._events.append(power.switch_on())
+            self.power_was_cycled(slot)
+
+    def power_off(self, slot: str) -> None:
+        """Switch a slot's supply off, where it is on; raises `InstrumentError`."""
+        power = self._power(slot)
+        if power is not None and power.is_on:
+            power.off()
+
+    def cycle_power(self, slot: str) -> bool:
+        """Switch a slot's supply off and on; False where there is none to switch."""
+        power = self._power(slot)
+        if power is None:
+            return False
+        self._events.append(power.cycle())
+        self.power_was_cycled(slot)
+        # A digital gyro is another conversation after its start.
+        for opened in tuple(self._sources.values()):
+            if opened.use.name == self.station.slots[slot].source and isinstance(
+                opened.source, DigitalGyro
+            ):
+                self.drop(opened)
+        return True
+
+    def power_was_cycled(self, slot: str) -> None:
+        """The unit in a slot was just powered on: warm-up starts anew."""
+        self._powered_on_s[slot] = self.clock.now_s()
+
+    def take_events(self) -> tuple[str, ...]:
+        """What happened to the power since this was asked last."""
+        taken, self._events = tuple(self._events), []
+        return taken
+
+    def _power(self, slot: str) -> "Power | None":
+        place, how = self.station.slots[slot], self._spec.supply
+        if place.supply is None or how is None:
+            return None
+        from gyrotest.acquisition.power import Power
+
+        key = (place.supply, place.supply_output)
+        if key not in self._supplies:
+            supply = self._drivers.supply(*key)
+            self._open(
+                place.supply,
+                supply.close,
+                lambda: self._drivers.opened(key[0], self._resource(key[0]), supply),
+            )
+            self._supplies[key] = Power(supply, how, clock=self.clock)
+        return self._supplies[key]
+
+    # What acts on the unit
+
+    def stimulation(self, slot: str, plan: Plan) -> Stimulation:
+        """What a plan needs of a slot's table and chamber, opened; raises `InstrumentError`."""
+        place = self.station.slots[slot]
+        return Stimulation(
+            table=self._table(place) if plan.turns else None,
+            chamber=self._chamber(place) if plan.soaks else None,
+        )
+
+    def _table(self, place: Slot) -> "TableDrive | None":
+        name = place.table
+        if name is None:
+            return None
+        from gyrotest.acquisition.turning import TableDrive
+
+        if name not in self._tables:
+            table = self._drivers.table(name)
+            self._open(
+                name, table.close, lambda: self._drivers.opened(name, self._resource(name), table)
+            )
+            self._tables[name] = TableDrive(table, clock=self.clock, motion=self._motion(name))
+        return self._tables[name]
+
+    def _motion(self, name: str) -> Motion:
+        motion = self.station.instruments[name].motion
+        if motion is None:
+            raise RefusedError(f"instrument '{name}': no 'motion' says how fast and how far it may turn")
+        return motion
+
+    def _chamber(self, place: Slot) -> "ChamberDrive | None":
+        name = place.chamber
+        if name is None:
+            return None
+        from gyrotest.acquisition.soaking import ChamberDrive
+
+        if name not in self._chambers:
+            chamber = self._drivers.chamber(name)
+            self._open(
+                name, chamber.close, lambda: self._drivers.opened(name, self._resource(name), chamber)
+            )
+            self._chambers[name] = ChamberDrive(chamber, clock=self.clock)
+        return self._chambers[name]
+
+    def _open(self, name: str, close: Callable[[], None], opened: Callable[[], InstrumentUse]) -> None:
+        """Open what is left safe at the end, the last one first."""
+        self._uses[name] = opened()
+        self._safe.callback(close)
+
+    # The simulated bench
 
     def stage(
-        self, slot: str, serial_number: str, item: PlannedItem, *, moment: Moment, plan: Plan
+        self,
+        slot: str,
+        serial_number: str,
+        item: PlannedItem,
+        *,
+        moment: Moment,
+        plan: Plan,
+        case: Case | None,
     ) -> None:
         """Tell a simulated bench what it is to play next; a real one needs no telling."""
         if self._simulated:
             self._simulated.begin(
-                units={self.station.slots[slot].source: serial_number},
+                slot=slot,
+                serial_number=serial_number,
                 case=item.case,
                 power_cycle=moment.power_cycle,
                 repeat=item.repeat or 1,
                 elapsed_s=moment.elapsed_s,
                 duration_s=plan.duration_s,
+                mountings=mountings(case),
             )
 
     def truth(self, slot: str, plan: Plan) -> Mapping[str, float]:
         """A simulated unit's true parameters; empty on a real bench."""
         if not self._simulated:
             return {}
-        return self._simulated.truth(self.station.slots[slot].source, duration_s=plan.duration_s)
-
-    def power_was_cycled(self) -> None:
-        """The units were just powered on again: warm-up starts anew."""
-        self.powered_on_s = self.clock.now_s()
+        return self._simulated.truth(slot, duration_s=plan.duration_s)
 
     def close(self) -> None:
-        """Leave everything safe; idempotent, never raises."""
-        for opened in self._open.values():
+        """Leave everything safe: tables at rest, sources closed, outputs off; idempotent, never raises."""
+        for table in self._tables.values():
+            table.rest()
+        for opened in self._sources.values():
             opened.source.close()
-        self._open = {}
+        self._safe.close()
+        self._sources, self._tables, self._supplies, self._chambers = {}, {}, {}, {}
         if self._simulated:
             self._simulated.close()
 
     def _resource(self, name: str) -> str:
-        if self._simulated and name in self._simulated.addresses:
-            return self._simulated.addresses[name]
-        return self.station.instruments[name].resource
-
-    def _opened(self, name: str, resource: str) -> OpenSource:
-        instrument = self.station.instruments[name]
-        source = make_source(self.station, name, resource, self.clock)
-        try:
-            identity = source.open()
-        except BaseException:
-            source.close()
-            raise
-        use = InstrumentUse(name=name, driver=instrument.driver, resource=resource, identity=identity)
-        return OpenSource(source=source, use=use, accuracy=instrument.accuracy)
+        resource = self.station.instruments[name].resource
+        if self._simulated and resource.split(":")[0] == "simulated":
+            return self._simulated.address(name)
+        return resource
 
 
-def make_source(station: Station, name: str, resource: str, clock: Clock) -> Source:
-    """Make the driver of an instrument of the station, not opened yet."""
-    from gyrotest.specification.station import instrument_settings
-
-    instrument: Instrument = station.instruments[name]
-    driver = load(INSTRUMENTS, instrument.driver)
-    source: Source = driver(
-        resource,
-        instrument_settings(instrument, driver),
-        clock=clock,
-        line_frequency_hz=station.line_frequency.to("Hz") if station.line_frequency else None,
-        accuracy=instrument.accuracy,
-        io_timeout_s=instrument.io_timeout.to("s") if instrument.io_timeout else None,
-        serial_number=instrument.serial_number,
-    )
-    return source
+def mountings(case: Case | None) -> Mapping[str, tuple[float, float, float]]:
+    """The directions of a case's axes by name; that of a single axis under no name."""
+    if case is None:
+        return {}
+    if case.mounting is not None:
+        return {"": case.mounting}
+    return case.mountings
 
 
 def check_choice(station: Station, choice: SimulationChoice) -> None:
@@ -144,13 +269,11 @@ def check_choice(station: Station, choice: SimulationChoice) -> None:
         )
 
 
-def _simulated_bench(
-    station: Station, output: Output, choice: SimulationChoice
-) -> "SimulatedBench | None":
+def _simulated_bench(station: Station, spec: Spec, choice: SimulationChoice) -> "SimulatedBench | None":
     if station.simulation is None:
         return None
     from gyrotest.simulation.bench import SimulatedBench
 
     return SimulatedBench(
-        station, output, seed=choice.seed, scenario=choice.scenario, real_time=choice.real_time
+        station, spec, seed=choice.seed, scenario=choice.scenario, real_time=choice.real_time
     )

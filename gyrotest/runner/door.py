@@ -16,6 +16,7 @@ from gyrotest.records.result import Verdict
 from gyrotest.records.run import RunHeader
 from gyrotest.records.spec import SpecDocument
 from gyrotest.records.station import Station, StationDocument
+from gyrotest.runner.fitness import check_fitness
 from gyrotest.runner.folder import HEADER, RECORD, RunFolder
 from gyrotest.runner.items import planned_case, planned_items
 
@@ -54,6 +55,7 @@ def check_order(order: Order) -> None:
     for serial_number in order.serial_numbers:
         check_serial_number(serial_number, order.spec.spec.serial_pattern)
     _refuse_twice(order.serial_numbers)
+    check_fitness(order.spec.spec, order.station.station)
     _check_slots(order)
     calibration_deviations(order.station.station, datetime.now(UTC).date())
     ensure_renderer()
@@ -91,7 +93,7 @@ def _refuse_twice(serial_numbers: Sequence[str]) -> None:
 
 
 def _check_slots(order: Order) -> None:
-    slots = order.station.station.slots
+    slots = order.station.station.slots_for(order.spec.spec.model)
     if len(order.serial_numbers) > len(slots) and not order.one_after_another:
         raise RefusedError(
             f"{len(order.serial_numbers)} serial numbers, but station '{order.station.station.name}' has"

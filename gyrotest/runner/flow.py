@@ -1,25 +1,32 @@
 """The run of one serial number: acquire an item, judge it, certify the whole."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
-from gyrotest.acquisition.acquire import Acquisition
-from gyrotest.acquisition.progress import Coming, Progress
-from gyrotest.conformity import judge, line
+from gyrotest.acquisition.progress import Progress
+from gyrotest.conformity import line
 from gyrotest.errors import GyrotestError, InsufficientDataError
-from gyrotest.ports import Playback
 from gyrotest.recordings.reader import read_samples
-from gyrotest.records.plan import Context, Reduction
-from gyrotest.records.recording import Identity, Recording, RecordingHeader, Sampling
-from gyrotest.records.result import JudgedResult, Measurand, Result, Verdict
-from gyrotest.records.run import Attempt, Origin, Outcome, PlannedItem, RunHeader, RunRecord
-from gyrotest.records.spec import Between, Over
-from gyrotest.runner.bench import Bench, OpenSource
+from gyrotest.records.plan import Context
+from gyrotest.records.recording import Recording
+from gyrotest.records.result import JudgedResult, Result, Verdict
+from gyrotest.records.run import Attempt, Outcome, PlannedItem, RunHeader, RunRecord
+from gyrotest.records.spec import Over
+from gyrotest.runner.axes import (
+    AxisReduction,
+    axes_of,
+    axis_case,
+    axis_results,
+    axis_samples,
+    judge_axes,
+)
+from gyrotest.runner.bench import Bench
 from gyrotest.runner.folder import RunFolder
-from gyrotest.runner.items import PlannedCase, moment, planned_case
+from gyrotest.runner.items import PlannedCase, planned_case
 from gyrotest.runner.record import assemble, write_record
+from gyrotest.runner.taking import TakesPart, Taking
 
 NOT_ENDED = "the run has not ended"
 
@@ -33,14 +40,15 @@ class Acquired:
     """An attempt that has a complete recording; `reduction` is None where it was judged before."""
 
     attempt: Attempt
-    reduction: Reduction | None
+    reduction: tuple[AxisReduction, ...] | None
 
 
 @dataclass
 class UnitRun:
     """The run of one serial number, in whatever process does a part of it.
 
-    `confirm` asks the operator to do something by hand and returns when it is done.
+    `confirm` asks the operator to do something by hand and returns when it is done. `partners` are the
+    runs of other units that the same source reads: what is acquired for one is acquired for all.
     """
 
     folder: RunFolder
@@ -48,6 +56,7 @@ class UnitRun:
     bench: Callable[[], Bench]
     progress: Progress
     confirm: Callable[[str], None]
+    partners: Callable[[], Sequence["UnitRun"]] = tuple
     missing: dict[str, str] = field(default_factory=dict)
 
     def planned_case(self, item: PlannedItem) -> PlannedCase:
@@ -59,18 +68,37 @@ class UnitRun:
 
         Every way out leaves an attempt on record. Raises what ended the attempt.
         """
-        standing = self._standing(item)
+        standing = self.standing(item)
         if standing is not None:
             return self._acquired_before(item, standing)
-        attempt = self._begun(item)
-        self._put(attempt)  # so that a killed process leaves an interrupted attempt
+        taking_part = (self.takes_part(item), *self._others(item))
         try:
-            attempt = self._with_recording(item, attempt)
+            Taking(taking_part).acquire()
+        except BaseException as fault:
+            for one in taking_part:
+                one.run.record_fault(one.attempt, fault)
+            raise
+        attempt = taking_part[0].attempt
+        try:
             reduction = self._reduce(item, attempt)
         except BaseException as fault:
-            self._record_fault(self._latest(attempt), fault)
+            self.record_fault(attempt, fault)
             raise
         return Acquired(attempt=attempt, reduction=reduction)
+
+    def takes_part(self, item: PlannedItem) -> TakesPart:
+        """Begin an attempt at an item that is acquired now."""
+        attempt = self._begun(item)
+        self._put(attempt)  # so that a killed process leaves an interrupted attempt
+        return TakesPart(run=self, item=item, attempt=attempt)
+
+    def _others(self, item: PlannedItem) -> Iterator[TakesPart]:
+        """The same item of the other units that the source reads, where it is still due."""
+        for partner in self.partners():
+            for theirs in partner.header.plan:
+                same = (theirs.case, theirs.repeat) == (item.case, item.repeat)
+                if same and partner.standing(theirs) is None:
+                    yield partner.takes_part(theirs)
 
     def judge(self, item: PlannedItem, acquired: Acquired) -> Attempt:
         """Judge every limit of an acquisition and put the attempt on record."""
@@ -92,11 +120,11 @@ class UnitRun:
         found = [one for one in last.values() if one is not None]
         attempt = replace(attempt, origin=found[0].origin, instruments=found[0].instruments)
         try:
-            context = self._context(item, planned, None, found[0].recording)
-            results = tuple(tuple(_as_result(one) for one in attempt.results) for attempt in found)
-            reduction = planned.procedure.reduce_repeats(results, context)
+            reduction = tuple(
+                self._reduced_repeats(item, planned, found, axis) for axis in self._axes(planned)
+            )
         except GyrotestError as fault:
-            self._record_fault(attempt, fault)
+            self.record_fault(attempt, fault)
             raise
         return self._judged(item, attempt, reduction, Over.REPEATS)
 
@@ -134,7 +162,7 @@ class UnitRun:
         certificate.unlink()
         return self.certify(whole=reason)
 
-    def _standing(self, item: PlannedItem) -> Attempt | None:
+    def standing(self, item: PlannedItem) -> Attempt | None:
         """The attempt that stands: nobody tests until it passes."""
         attempts = self.folder.attempts(item.name)
         if not attempts or attempts[-1].outcome in {Outcome.ERROR, Outcome.INTERRUPTED, Outcome.SKIPPED}:
@@ -161,109 +189,32 @@ class UnitRun:
             issued_utc=now,
         )
 
-    def _latest(self, attempt: Attempt) -> Attempt:
-        """The attempt as it stands on record, which knows more than the one that was begun."""
-        found = [one for one in self.folder.attempts(attempt.item) if one.number == attempt.number]
-        return found[0] if found else attempt
+    def _axes(self, planned: PlannedCase) -> tuple[str, ...]:
+        return axes_of(self.header.spec.spec.output, planned.case)
 
-    def _with_recording(self, item: PlannedItem, attempt: Attempt) -> Attempt:
-        bench = self.bench()
-        opened = bench.source(self.header.slot, self.header.serial_number)
-        attempt = replace(attempt, origin=origin_of(opened.use.identity), instruments=(opened.use,))
-        try:
-            sampling = opened.source.configure(self.planned_case(item).plan.interval_s)
-            self._make_ready(item, bench, opened, sampling)
-            return self._record(item, attempt, bench, opened, sampling)
-        except GyrotestError:
-            bench.drop(opened)
-            raise
-
-    def _make_ready(
-        self, item: PlannedItem, bench: Bench, opened: OpenSource, sampling: Sampling
-    ) -> None:
-        planned = self.planned_case(item)
-        plan = planned.plan
-        cycled = planned.case.between_repeats is Between.POWER_CYCLE and item.repeat != 1
-        if cycled:
-            if self.header.station.station.simulation is None:
-                self.confirm(f"{item.name}: switch the unit off and on again")
-            bench.power_was_cycled()
-        # What this takes passes while the unit warms up, and before the record is stamped.
-        self.progress.prepare(
-            Coming(sampling=sampling, source=opened.use.identity, samples=plan.samples)
-        )
-        warm_at_s = bench.powered_on_s + plan.warm_up_s
-        if bench.clock.now_s() < warm_at_s and not isinstance(opened.source, Playback):
-            self.progress.note(f"{item.name}: warming up until {planned.case.warm_up} after power-on")
-            bench.clock.sleep_until(warm_at_s)
-        starts = moment(self.header.spec.spec, item)
-        bench.stage(self.header.slot, self.header.serial_number, item, moment=starts, plan=plan)
-        if isinstance(opened.source, Playback):
-            opened.source.cue(starts.acquired_s)
-
-    def _record(
-        self, item: PlannedItem, attempt: Attempt, bench: Bench, opened: OpenSource, sampling: Sampling
-    ) -> Attempt:
-        plan = self.planned_case(item).plan
-        acquisition = Acquisition(
-            source=opened.source,
-            clock=bench.clock,
-            progress=self.progress,
-            run_folder=self.folder.path,
-            header=self._recording_header(item, attempt, bench, opened, sampling),
-            plan=plan,
-        )
-        outcome = Outcome.INTERRUPTED
-        try:
-            acquisition.run()
-            outcome = Outcome.ACQUIRED
-        finally:
-            played = opened.source.remarks() if isinstance(opened.source, Playback) else ()
-            attempt = replace(
-                attempt,
-                outcome=outcome,
-                ended_utc=bench.clock.utc(),
-                started_utc=acquisition.header.started_utc,
-                recording=acquisition.recording,
-                events=tuple(acquisition.events),
-                remarks=played,
-                truth=bench.truth(self.header.slot, plan),
-            )
-            self._put(attempt)
-        return attempt
-
-    def _recording_header(
-        self, item: PlannedItem, attempt: Attempt, bench: Bench, opened: OpenSource, sampling: Sampling
-    ) -> RecordingHeader:
-        return RecordingHeader(
-            run_id=self.header.run_id,
-            item=attempt.item,
-            attempt=attempt.number,
-            serial_number=self.header.serial_number,
-            model=self.header.model,
-            spec_sha256=self.header.spec.sha256,
-            started_utc=bench.clock.utc(),
-            planned_samples=self.planned_case(item).plan.samples,
-            sampling=sampling,
-            source=opened.use.identity,
-            since_power_on_s=self._since_power_on_s(item, bench, opened),
-            meta=self.header.meta,
-        )
-
-    def _since_power_on_s(self, item: PlannedItem, bench: Bench, opened: OpenSource) -> float | None:
-        if opened.use.identity.replayed:
-            return None
-        if self.header.station.station.simulation is not None:
-            return moment(self.header.spec.spec, item).elapsed_s
-        return bench.clock.now_s() - bench.powered_on_s
-
-    def _reduce(self, item: PlannedItem, attempt: Attempt) -> Reduction:
+    def _reduce(self, item: PlannedItem, attempt: Attempt) -> tuple[AxisReduction, ...]:
+        """Reduce each axis by itself."""
         planned = self.planned_case(item)
         if attempt.recording is None:
             raise InsufficientDataError(f"{item.name}: attempt {attempt.number} has no recording")
-        context = self._context(item, planned, attempt, attempt.recording)
         samples = read_samples(self.folder.path / attempt.recording.path)
-        return planned.procedure.reduce(samples, context)
+        return tuple(
+            AxisReduction(
+                axis=axis,
+                reduction=planned.procedure.reduce(
+                    axis_samples(samples, axis),
+                    self._context(item, planned, attempt, attempt.recording, axis),
+                ),
+            )
+            for axis in self._axes(planned)
+        )
+
+    def _reduced_repeats(
+        self, item: PlannedItem, planned: PlannedCase, found: Sequence[Attempt], axis: str
+    ) -> AxisReduction:
+        context = self._context(item, planned, None, found[0].recording, axis)
+        results = tuple(axis_results(attempt, axis) for attempt in found)
+        return AxisReduction(axis=axis, reduction=planned.procedure.reduce_repeats(results, context))
 
     def _context(
         self,
@@ -271,27 +222,48 @@ class UnitRun:
         planned: PlannedCase,
         attempt: Attempt | None,
         recording: Recording | None,
+        axis: str,
     ) -> Context:
         spec, station = self.header.spec.spec, self.header.station.station
+        slot, instruments = station.slots[self.header.slot], station.instruments
         return Context(
             case_name=item.case,
-            case=planned.case,
+            case=axis_case(planned.case, axis),
             parameters=planned.parameters,
             output=spec.output,
             datasheet=spec.datasheet,
-            accuracy=station.instruments[station.slots[self.header.slot].source].accuracy,
+            accuracy=instruments[slot.source].accuracy,
             site=station.site,
             source=attempt.instruments[0].identity if attempt and attempt.instruments else None,
             gaps=recording.gaps if recording else (),
             since_power_on_s=recording.header.since_power_on_s if recording else None,
+            axis=axis,
+            dwells=recording.dwells if recording else (),
+            table=instruments[slot.table].accuracy if slot.table else None,
+            chamber=instruments[slot.chamber].accuracy if slot.chamber else None,
+            earlier=self._earlier(item, axis),
         )
 
+    def _earlier(self, item: PlannedItem, axis: str) -> Mapping[str, tuple[Result, ...]]:
+        """An axis's results of the cases before this one, each case's repeats one after another."""
+        found: dict[str, tuple[Result, ...]] = {}
+        for planned in self.header.plan:
+            if planned.case == item.case:
+                break
+            judged = self._last_judged(planned)
+            if judged is not None:
+                found[planned.case] = (*found.get(planned.case, ()), *axis_results(judged, axis))
+        return found
+
     def _judged(
-        self, item: PlannedItem, attempt: Attempt, reduction: Reduction, over: Over | None
+        self,
+        item: PlannedItem,
+        attempt: Attempt,
+        reduction: Sequence[AxisReduction],
+        over: Over | None,
     ) -> Attempt:
         planned = self.planned_case(item)
-        measurands = planned.measured(over)
-        results = judge_all(planned, item.repeat, measurands, reduction.results)
+        results = judge_axes(planned, item.repeat, over, reduction)
         met = all(one.verdict in {None, Verdict.PASS} for one in results)
         judged = replace(
             attempt,
@@ -300,8 +272,16 @@ class UnitRun:
             ended_utc=attempt.ended_utc,
             issued_utc=datetime.now(UTC),
             results=results,
-            figures=reduction.figures,
-            remarks=(*attempt.remarks, *reduction.remarks),
+            figures=tuple(figure for one in reduction for figure in one.figures),
+            remarks=(
+                *attempt.remarks,
+                *dict.fromkeys(text for one in reduction for text in one.remarks),
+            ),
+            exports=tuple(
+                self.folder.write_export(item.name, one.axis, export)
+                for one in reduction
+                for export in one.reduction.exports
+            ),
         )
         self._put(judged)
         return judged
@@ -312,7 +292,8 @@ class UnitRun:
             return attempts[-1]
         return None
 
-    def _record_fault(self, attempt: Attempt, fault: BaseException) -> None:
+    def record_fault(self, attempt: Attempt, fault: BaseException) -> None:
+        """Put on record what ended an attempt."""
         interrupted = not isinstance(fault, Exception)
         self._put(
             replace(
@@ -327,43 +308,6 @@ class UnitRun:
         self.folder.write_attempt(attempt)
 
 
-def judge_all(
-    planned: PlannedCase, repeat: int | None, measurands: Sequence[Measurand], results: Sequence[Result]
-) -> tuple[JudgedResult, ...]:
-    """Judge each measurand of a case: one that was not measured is judged as missing, never left out."""
-    measured: Mapping[str, Result] = {one.name: one for one in results}
-    limits = planned.case.limits
-    return tuple(
-        judge(one, measured.get(one.name), limits.get(one.name), case=planned.name, repeat=repeat)
-        for one in measurands
-        if one.name in measured or one.name in limits
-    )
-
-
 def failed_lines(results: Sequence[JudgedResult]) -> list[str]:
     """One line for each limit that is not met."""
     return [line(one) for one in results if one.verdict not in {None, Verdict.PASS}]
-
-
-def _as_result(judged: JudgedResult) -> Result:
-    return Result(
-        name=judged.name,
-        label=judged.label,
-        value=float("nan") if judged.value is None else judged.value,
-        unit=judged.unit,
-        expanded_uncertainty=judged.expanded_uncertainty,
-        coverage_factor=judged.coverage_factor,
-        lower_95=judged.lower_95,
-        upper_95=judged.upper_95,
-        at_most=judged.at_most,
-        condition=judged.condition,
-        budget=judged.budget,
-        not_included=judged.not_included,
-    )
-
-
-def origin_of(identity: Identity) -> Origin:
-    """Where the samples of an instrument come from, by what it says of itself."""
-    if identity.replayed:
-        return Origin.REPLAYED
-    return Origin.SIMULATED if identity.simulated else Origin.MEASURED

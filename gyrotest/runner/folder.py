@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING, TypeVar
 from gyrotest.errors import CertificateError, RefusedError
 from gyrotest.recordings.layout import FOLDER as RECORDINGS
 from gyrotest.recordings.layout import recording_name
-from gyrotest.records.run import Attempt, ItemRecord, Outcome, PlannedItem, RunHeader
+from gyrotest.records.plan import Export
+from gyrotest.records.run import Attempt, ExportedFile, ItemRecord, Outcome, PlannedItem, RunHeader
 
 if TYPE_CHECKING:
     from pydantic import TypeAdapter
@@ -28,6 +29,7 @@ T = TypeVar("T")
 RECORD = "run.json"
 HEADER = "plan.json"
 ATTEMPTS = "attempts"
+EXPORTS = "exports"
 _LONGEST = 120
 
 
@@ -77,6 +79,17 @@ class RunFolder:
         files = (self.path / ATTEMPTS).glob(f"{item_file_name(item)}-a*.json")
         found = (_read(path, _attempt_adapter()) for path in files)
         return tuple(sorted((one for one in found if one.item == item), key=lambda one: one.number))
+
+    def write_export(self, item: str, axis: str, export: Export) -> ExportedFile:
+        """Write a file for other programs; its name begins with the item's and the axis."""
+        folder = self.path / EXPORTS
+        folder.mkdir(exist_ok=True)
+        name = "-".join(
+            part for part in (item_file_name(item), safe_name(axis), safe_name(export.name)) if part
+        )
+        data = export.text.encode()
+        write_by_rename(folder / name, data)
+        return ExportedFile(path=f"{EXPORTS}/{name}", sha256=hashlib.sha256(data).hexdigest())
 
     def next_recording(self, item: str) -> int:
         """Return the number of the first attempt at an item that has no recording yet."""

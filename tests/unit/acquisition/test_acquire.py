@@ -12,6 +12,7 @@ import pytest
 
 from gyrotest.acquisition.acquire import MOST_RECOVERIES, Acquisition
 from gyrotest.acquisition.progress import Silence
+from gyrotest.acquisition.tracks import Track
 from gyrotest.errors import (
     AcquisitionError,
     InstrumentError,
@@ -110,7 +111,7 @@ def _acquisition(folder: Path, clock: VirtualClock, bench: Bench) -> Acquisition
         model="MEMS50",
         spec_sha256="0" * 64,
         started_utc=datetime(2026, 1, 1, tzinfo=UTC),
-        planned_steps=(Step(samples=SAMPLES),),
+        planned_samples=SAMPLES,
         sampling=SAMPLING,
         source=IDENTITY,
     )
@@ -118,8 +119,7 @@ def _acquisition(folder: Path, clock: VirtualClock, bench: Bench) -> Acquisition
         source=bench,
         clock=clock,
         progress=Silence(),
-        run_folder=folder,
-        header=header,
+        tracks=(Track(run_folder=folder, header=header),),
         plan=Plan(warm_up_s=0.0, interval_s=1.0, steps=(Step(samples=SAMPLES),)),
     )
 
@@ -156,7 +156,7 @@ def _lost(text: str = "M1: no reply") -> InstrumentError:
 
 def test_a_fault_is_bridged_by_a_gap(tmp_path: Path, clock: VirtualClock) -> None:
     acquisition = _acquisition(tmp_path, clock, Bench(clock, faults={40: _lost()}))
-    recording = acquisition.run()
+    recording = acquisition.run()[0]
     (gap,) = recording.gaps
     assert (gap.after, gap.missing, gap.reason) == (39, 1, "M1: no reply")
     assert recording.complete
@@ -166,7 +166,7 @@ def test_a_fault_is_bridged_by_a_gap(tmp_path: Path, clock: VirtualClock) -> Non
 def test_the_pauses_between_tries_grow(tmp_path: Path, clock: VirtualClock) -> None:
     bench = Bench(clock, faults={40: _lost()}, recoveries=(_lost("M1: second"), _lost("M1: third")))
     acquisition = _acquisition(tmp_path, clock, bench)
-    recording = acquisition.run()
+    recording = acquisition.run()[0]
     (gap,) = recording.gaps
     assert gap.reason == "M1: third"
     assert gap.missing == 39 + 1 + (1 + 5 + 30) - 40
@@ -179,7 +179,7 @@ def test_the_pauses_between_tries_grow(tmp_path: Path, clock: VirtualClock) -> N
 
 def test_a_start_that_fails_after_a_recovery_is_another_try(tmp_path: Path, clock: VirtualClock) -> None:
     bench = Bench(clock, faults={40: _lost()}, starts=(None, _lost("M1: INIT is refused")))
-    recording = _acquisition(tmp_path, clock, bench).run()
+    recording = _acquisition(tmp_path, clock, bench).run()[0]
     (gap,) = recording.gaps
     assert gap.reason == "M1: INIT is refused"
     assert recording.complete
@@ -193,9 +193,9 @@ def test_a_source_that_stays_away_ends_the_record_and_keeps_it(
     acquisition = _acquisition(tmp_path, clock, bench)
     with pytest.raises(AcquisitionError, match="M1: no reply; given up after 3 tries"):
         acquisition.run()
-    assert acquisition.recording is not None
-    assert not acquisition.recording.complete
-    assert acquisition.recording.samples == 40
+    assert acquisition.recordings[0] is not None
+    assert not acquisition.recordings[0].complete
+    assert acquisition.recordings[0].samples == 40
 
 
 def test_a_source_that_fails_again_and_again_is_given_up(tmp_path: Path, clock: VirtualClock) -> None:
@@ -208,7 +208,7 @@ def test_a_source_that_fails_again_and_again_is_given_up(tmp_path: Path, clock: 
 def test_a_source_that_comes_back_too_late_ends_the_record(tmp_path: Path, clock: VirtualClock) -> None:
     bench = Bench(clock, faults={90: _lost()}, recoveries=(_lost(), _lost()))
     with pytest.raises(AcquisitionError, match="came back after the record's end"):
-        _acquisition(tmp_path, clock, bench).run()
+        _acquisition(tmp_path, clock, bench).run()[0]
 
 
 def test_an_overload_is_not_tried_again(tmp_path: Path, clock: VirtualClock) -> None:
@@ -216,8 +216,8 @@ def test_an_overload_is_not_tried_again(tmp_path: Path, clock: VirtualClock) -> 
     acquisition = _acquisition(tmp_path, clock, bench)
     with pytest.raises(OverloadError, match=r"M1: overload at sample 7 \(range 10 V\)"):
         acquisition.run()
-    assert acquisition.recording is not None
-    assert acquisition.recording.samples == 8
+    assert acquisition.recordings[0] is not None
+    assert acquisition.recordings[0].samples == 8
 
 
 def test_a_source_that_ends_early_is_an_error(tmp_path: Path, clock: VirtualClock) -> None:
@@ -228,7 +228,7 @@ def test_a_source_that_ends_early_is_an_error(tmp_path: Path, clock: VirtualCloc
 def test_a_stuck_reading_is_found_after_a_minute(tmp_path: Path, clock: VirtualClock) -> None:
     bench = Bench(clock, value=lambda position: float(min(position, 20)))
     with pytest.raises(InstrumentError, match="stuck at 20 V for 60 samples"):
-        _acquisition(tmp_path, clock, bench).run()
+        _acquisition(tmp_path, clock, bench).run()[0]
 
 
 def test_whatever_ends_it_the_record_is_closed(tmp_path: Path, clock: VirtualClock) -> None:
@@ -240,9 +240,9 @@ def test_whatever_ends_it_the_record_is_closed(tmp_path: Path, clock: VirtualClo
     acquisition = _acquisition(tmp_path, clock, Bench(clock, value=interrupted))
     with pytest.raises(KeyboardInterrupt):
         acquisition.run()
-    assert acquisition.recording is not None
-    assert acquisition.recording.samples == 30
-    assert not acquisition.recording.complete
+    assert acquisition.recordings[0] is not None
+    assert acquisition.recordings[0].samples == 30
+    assert not acquisition.recordings[0].complete
 
 
 class Counting(Silence):

@@ -1,0 +1,209 @@
+"""The taking of one acquisition: power, source, warm-up, record; for every unit that the source reads."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from gyrotest.acquisition.acquire import Acquisition
+from gyrotest.acquisition.progress import Coming
+from gyrotest.acquisition.tracks import Track
+from gyrotest.errors import GyrotestError
+from gyrotest.ports import DigitalGyro, Playback, Remarking
+from gyrotest.records.recording import Identity, Recording, RecordingHeader, Sampling
+from gyrotest.records.run import Attempt, Origin, Outcome, PlannedItem
+from gyrotest.records.spec import Between
+from gyrotest.records.station import Slot
+from gyrotest.runner.bench import Bench, OpenSource
+from gyrotest.runner.channels import Share, configured
+from gyrotest.runner.device import check_device
+from gyrotest.runner.items import PlannedCase, moment
+
+if TYPE_CHECKING:
+    from gyrotest.runner.flow import UnitRun
+
+_BY_HAND = "The unit was switched off and on by hand (manual power cycle), as the operator confirmed."
+
+
+@dataclass
+class TakesPart:
+    """A unit's part in an acquisition: its run, its item, and the attempt as it stands so far."""
+
+    run: "UnitRun"
+    item: PlannedItem
+    attempt: Attempt
+
+    @property
+    def slot(self) -> Slot:
+        """Where the unit is."""
+        return self.run.header.station.station.slots[self.run.header.slot]
+
+
+class Taking:
+    """One acquisition for one unit, or for several that one source reads."""
+
+    def __init__(self, parts: Sequence[TakesPart]) -> None:
+        self._parts = parts
+        self._first = parts[0]
+        run = self._first.run
+        self._planned: PlannedCase = run.planned_case(self._first.item)
+        self._bench: Bench = run.bench()
+
+    def acquire(self) -> None:
+        """Acquire, and leave each part's attempt with its recording; raises what ended it early."""
+        self._cycle_power()
+        run = self._first.run
+        for part in self._parts:
+            self._bench.power_on(part.run.header.slot)
+        opened = self._bench.source(run.header.slot, run.header.serial_number)
+        for part in self._parts:
+            part.attempt = replace(
+                part.attempt, origin=origin_of(opened.use.identity), instruments=(opened.use,)
+            )
+        try:
+            shares = self._configured(opened)
+            self._make_ready(opened, shares[0].sampling)
+            self._record(opened, shares)
+        except GyrotestError:
+            self._bench.drop(opened)
+            raise
+
+    def _cycle_power(self) -> None:
+        """Switch the units off and on between two repeats, where the case asks for it."""
+        case, item = self._planned.case, self._first.item
+        if case.between_repeats is not Between.POWER_CYCLE or item.repeat == 1:
+            return
+        for part in self._parts:
+            slot = part.run.header.slot
+            if self._bench.cycle_power(slot):
+                continue
+            if part.run.header.station.station.simulation is None:
+                part.run.confirm(f"{part.item.name}: switch the unit off and on again")
+                part.attempt = replace(part.attempt, remarks=(*part.attempt.remarks, _BY_HAND))
+            self._bench.power_was_cycled(slot)
+
+    def _configured(self, opened: OpenSource) -> tuple[Share, ...]:
+        """Set the source up; each unit's share of it."""
+        output = self._first.run.header.spec.spec.output
+        shares = configured(
+            opened, [one.slot for one in self._parts], self._planned.plan.interval_s, output.axes
+        )
+        if isinstance(opened.source, DigitalGyro):
+            check_device(
+                opened.source.device(),
+                who=opened.use.resource,
+                serial_number=self._first.run.header.serial_number,
+                output=output,
+            )
+        return shares
+
+    def _make_ready(self, opened: OpenSource, sampling: Sampling) -> None:
+        planned, bench, run = self._planned, self._bench, self._first.run
+        plan = planned.plan
+        # What this takes passes while the unit warms up, and before the record is stamped.
+        run.progress.prepare(
+            Coming(
+                sampling=sampling,
+                source=opened.use.identity,
+                samples=plan.samples,
+                steps=len(plan.steps),
+            )
+        )
+        warm_at_s = plan.warm_up_s + max(bench.powered_on_s(one.run.header.slot) for one in self._parts)
+        if bench.clock.now_s() < warm_at_s and not isinstance(opened.source, Playback):
+            run.progress.note(
+                f"{self._first.item.name}: warming up until {planned.case.warm_up} after power-on"
+            )
+            bench.clock.sleep_until(warm_at_s)
+        for part in self._parts:
+            header = part.run.header
+            starts = moment(header.spec.spec, part.item)
+            bench.stage(
+                header.slot,
+                header.serial_number,
+                part.item,
+                moment=starts,
+                plan=plan,
+                case=planned.case,
+            )
+            if isinstance(opened.source, Playback):
+                opened.source.cue(starts.acquired_s)
+
+    def _record(self, opened: OpenSource, shares: tuple[Share, ...]) -> None:
+        planned, bench, run = self._planned, self._bench, self._first.run
+        case, slot = planned.case, run.header.slot
+        loss = case.allowed_loss
+        acquisition = Acquisition(
+            source=opened.source,
+            clock=bench.clock,
+            progress=run.progress,
+            tracks=tuple(
+                Track(
+                    run_folder=part.run.folder.path,
+                    header=self._header(part, opened, of_unit.sampling),
+                    columns=of_unit.columns,
+                )
+                for part, of_unit in zip(self._parts, shares, strict=True)
+            ),
+            plan=planned.plan,
+            stimulation=bench.stimulation(slot, planned.plan),
+            allowed_loss=None if loss is None else loss.to(""),
+        )
+        outcome = Outcome.INTERRUPTED
+        try:
+            acquisition.run()
+            outcome = Outcome.ACQUIRED
+        finally:
+            self._put_on_record(opened, acquisition, outcome)
+
+    def _put_on_record(self, opened: OpenSource, acquisition: Acquisition, outcome: Outcome) -> None:
+        bench, source = self._bench, opened.source
+        told = source.remarks() if isinstance(source, Remarking) else ()
+        events = (*bench.take_events(), *acquisition.events)
+        recordings: tuple[Recording | None, ...] = acquisition.recordings or (None,) * len(self._parts)
+        for part, track, recording in zip(self._parts, acquisition.tracks, recordings, strict=True):
+            slot = part.run.header.slot
+            used = tuple(one for one in bench.used(slot) if one.name != opened.use.name)
+            part.attempt = replace(
+                part.attempt,
+                outcome=outcome,
+                started_utc=track.header.started_utc,
+                ended_utc=bench.clock.utc(),
+                recording=recording,
+                instruments=(opened.use, *used),
+                events=events,
+                remarks=(*part.attempt.remarks, *told),
+                truth=bench.truth(slot, self._planned.plan),
+            )
+            part.run.folder.write_attempt(part.attempt)
+
+    def _header(self, part: TakesPart, opened: OpenSource, sampling: Sampling) -> RecordingHeader:
+        header, bench = part.run.header, self._bench
+        return RecordingHeader(
+            run_id=header.run_id,
+            item=part.attempt.item,
+            attempt=part.attempt.number,
+            serial_number=header.serial_number,
+            model=header.model,
+            spec_sha256=header.spec.sha256,
+            started_utc=bench.clock.utc(),
+            planned_samples=self._planned.plan.samples,
+            sampling=sampling,
+            source=opened.use.identity,
+            since_power_on_s=self._since_power_on_s(part, opened),
+            meta=header.meta,
+        )
+
+    def _since_power_on_s(self, part: TakesPart, opened: OpenSource) -> float | None:
+        header = part.run.header
+        if opened.use.identity.replayed:
+            return None
+        if header.station.station.simulation is not None:
+            return moment(header.spec.spec, part.item).elapsed_s
+        return self._bench.clock.now_s() - self._bench.powered_on_s(header.slot)
+
+
+def origin_of(identity: Identity) -> Origin:
+    """Where the samples of an instrument come from, by what it says of itself."""
+    if identity.replayed:
+        return Origin.REPLAYED
+    return Origin.SIMULATED if identity.simulated else Origin.MEASURED
