@@ -1,0 +1,301 @@
+"""The dwells of a recording: the samples of each, checked, outliers counted, and their mean."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrotest.analysis.noise_terms import Grid
+from gyrotest.analysis.outliers import inside_window, near_median
+from gyrotest.analysis.step_noise import LikeSteps, StepNoise, step_noise
+from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.rails import rail_of
+from gyrotest.procedures.scaling import Scaling, output_scaling
+from gyrotest.procedures.wording import plain
+from gyrotest.records.plan import Context
+from gyrotest.records.recording import Dwell, SampleFlag, Samples, Sampling
+from gyrotest.units import Dimension, Quantity, printed_unit, same_dimension
+
+MOST_DROPPED = 0.01
+"""Share of a dwell's samples beyond which outliers are no outliers any more."""
+
+FEWEST_PRESENT = 0.5
+"""Share of a dwell's samples that are needed: what was lost on the way does not bias a mean."""
+
+_MINUS = "\N{MINUS SIGN}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutlierRule:
+    """Which samples of a dwell count: within `window` of its rate (of it, or in °/s), else near their median.
+
+    A window in proportion to the rate says nothing of a dwell at rest; there the median serves.
+    """
+
+    window: Quantity | None = None
+    mads: float = 7.5
+
+    def kept(self, rate_dps: NDArray[np.float64], demanded_dps: float | None) -> NDArray[np.bool_]:
+        """Return which samples (n,) are kept."""
+        half_dps = self.half_width_dps(demanded_dps)
+        if half_dps is None or demanded_dps is None:
+            return near_median(rate_dps, mads=self.mads)
+        return inside_window(rate_dps, centre=demanded_dps, half_width=half_dps)
+
+    def half_width_dps(self, demanded_dps: float | None) -> float | None:
+        """Return the window's half-width, °/s; None where the median serves."""
+        if self.window is None or demanded_dps is None:
+            return None
+        if same_dimension(self.window.unit, Dimension.RATE):
+            return self.window.to("deg/s")
+        return self.window.to("") * abs(demanded_dps) or None
+
+    def spoken(self, demanded_dps: float | None) -> str:
+        """Return the rule in words."""
+        half_dps = self.half_width_dps(demanded_dps)
+        if half_dps is None:
+            return f"within {self.mads:g} median absolute deviations of the median"
+        return f"within {plain(half_dps, 4)} °/s of the rate"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DwellRecord:
+    """A dwell's kept samples (n,), as the output less the nominal one at rest, in `scaling.unit`.
+
+    `dropped` are outliers, `missing` samples that were lost on the way. Only where the dwell may saturate
+    there are `overloaded` ones, which do not count, and `railed` ones at a limit of the output, which do;
+    then nothing is dropped. `middle_s` is the mean time of the kept samples
+    since the recording's begin.
+    """
+
+    dwell: Dwell
+    output: NDArray[np.float64]
+    scaling: Scaling
+    sampling: Sampling
+    middle_s: float
+    dropped: int = 0
+    missing: int = 0
+    overloaded: int = 0
+    railed: int = 0
+
+    @property
+    def name(self) -> str:
+        """The step's name, and the rate that was asked for."""
+        return _named(self.dwell)
+
+    @property
+    def rate_dps(self) -> float:
+        """The rate that was asked for, °/s; 0 where none was."""
+        return self.dwell.rate_dps or 0.0
+
+    @property
+    def kept(self) -> int:
+        """Number of samples that count."""
+        return int(self.output.size)
+
+    @property
+    def duration_s(self) -> float:
+        """Time for which samples that count stand."""
+        return self.kept * self.sampling.interval_s
+
+    @property
+    def begin_s(self) -> float:
+        """When such a time would begin, its middle where it is, since the recording's begin."""
+        return self.middle_s - self.duration_s / 2.0
+
+    @property
+    def mean(self) -> float:
+        """Mean of the kept samples, in `scaling.unit`."""
+        return float(self.output.mean())
+
+    @property
+    def mean_rate_dps(self) -> float:
+        """The mean as a rate by the nominal scale factor, the bias in it."""
+        return self.mean / self.scaling.scale_factor
+
+    @property
+    def saturated(self) -> bool:
+        """Whether some samples are no measure of the rate."""
+        return self.overloaded + self.railed > 0
+
+
+def dwell_records(
+    samples: Samples, context: Context, *, rule: OutlierRule | None = None, may_saturate: bool = False
+) -> tuple[DwellRecord, ...]:
+    """Return every dwell of a recording in the order of the plan; `rule` None: median ± 7.5 MAD.
+
+    Raises `InsufficientDataError` naming the dwell: samples flagged bad, more than 1 % of them outliers,
+    fewer than half of them there; overloaded or at a limit of the output, unless it may saturate.
+    """
+    if not context.dwells:
+        raise InsufficientDataError(f"{context.case_name}: the recording has no dwells")
+    places = _places(samples, context)
+    return tuple(
+        _record(_cut(samples, places, dwell), context, rule or OutlierRule(), may_saturate=may_saturate)
+        for dwell in context.dwells
+    )
+
+
+def noise_of(records: tuple[DwellRecord, ...]) -> StepNoise:
+    """Return the noise that dwells have in common, in `scaling.unit`; raises `InsufficientDataError`.
+
+    How far dwells of one rate (or at rest) lie apart tells of the slow noise.
+    """
+    sampling = records[0].sampling
+    grid = Grid(interval_s=sampling.interval_s, aperture_s=sampling.effective_aperture_s)
+    rest = tuple(one for one in records if one.rate_dps == 0.0)
+    like = LikeSteps(
+        means=np.array([one.mean for one in rest]),
+        begins_s=np.array([one.begin_s for one in rest]),
+        durations_s=np.array([one.duration_s for one in rest]),
+    )
+    return step_noise([one.output for one in records], grid, like=like)
+
+
+def _places(samples: Samples, context: Context) -> NDArray[np.int64]:
+    """Return each sample's position on the acquisition's grid."""
+    if samples.index is not None:
+        return samples.index
+    places = np.arange(samples.values.shape[0], dtype=np.int64)
+    for gap in sorted(context.gaps, key=lambda one: one.after):
+        places[places > gap.after] += gap.missing
+    return places
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Cut:
+    """A dwell's samples as they were recorded, and their positions on the grid."""
+
+    dwell: Dwell
+    sampling: Sampling
+    values: NDArray[np.float64]
+    flags: NDArray[np.uint8]
+    places: NDArray[np.int64]
+
+    @property
+    def overloaded(self) -> NDArray[np.bool_]:
+        return (self.flags & np.uint8(SampleFlag.OVERLOAD)) != 0
+
+    def only(self, chosen: NDArray[np.bool_]) -> "_Cut":
+        if chosen.all():
+            return self
+        return replace(
+            self, values=self.values[chosen], flags=self.flags[chosen], places=self.places[chosen]
+        )
+
+
+def _cut(samples: Samples, places: NDArray[np.int64], dwell: Dwell) -> _Cut:
+    start, stop = np.searchsorted(places, (dwell.first, dwell.first + dwell.samples))
+    return _Cut(
+        dwell=dwell,
+        sampling=samples.sampling,
+        values=samples.values[start:stop, 0],
+        flags=samples.flags[start:stop],
+        places=places[start:stop],
+    )
+
+
+def _record(cut: _Cut, context: Context, rule: OutlierRule, *, may_saturate: bool) -> DwellRecord:
+    """Check a dwell and take its outliers out; an overload's value is no reading and does not count."""
+    _refuse_few(cut)
+    readings = cut.only(~cut.overloaded)
+    _refuse_bad(readings)
+    railed = rail_of(readings.values)
+    if not may_saturate:
+        _refuse_saturated(cut, readings.values[railed], context)
+    scaling = output_scaling(context.output, cut.sampling.unit)
+    chosen = readings
+    if not railed.any():
+        chosen = readings.only(_kept(readings, scaling, rule))
+    return DwellRecord(
+        dwell=cut.dwell,
+        output=scaling.outputs(chosen.values),
+        scaling=scaling,
+        sampling=cut.sampling,
+        middle_s=_middle_s(chosen),
+        dropped=int(readings.values.size - chosen.values.size),
+        missing=cut.dwell.samples - int(cut.values.size),
+        overloaded=int(cut.values.size - readings.values.size),
+        railed=int(railed.sum()),
+    )
+
+
+def _kept(readings: _Cut, scaling: Scaling, rule: OutlierRule) -> NDArray[np.bool_]:
+    rate_dps, demanded_dps = scaling.rates_dps(readings.values), readings.dwell.rate_dps
+    if not rate_dps.size:
+        return np.ones(0, dtype=np.bool_)
+    kept = rule.kept(rate_dps, demanded_dps)
+    dropped = int(rate_dps.size - kept.sum())
+    if dropped > MOST_DROPPED * rate_dps.size:
+        raise InsufficientDataError(
+            f"{_named(readings.dwell)}: {dropped} of {rate_dps.size} samples are not"
+            f" {rule.spoken(demanded_dps)} (at most {MOST_DROPPED:.0%} may be dropped after settling):"
+            " settle longer, or correct the rule"
+        )
+    return kept
+
+
+def _middle_s(cut: _Cut) -> float:
+    interval_s = cut.sampling.interval_s
+    places = cut.places if cut.places.size else np.array([cut.dwell.first + cut.dwell.samples // 2])
+    return cut.dwell.began_s + (float((places - cut.dwell.first).mean()) + 0.5) * interval_s
+
+
+def _named(dwell: Dwell) -> str:
+    name = f"step '{dwell.name}'" if dwell.name else "step"
+    if dwell.rate_dps is None:
+        return name
+    return f"{name} at {plain(dwell.rate_dps, 6)} °/s".replace("-", _MINUS)
+
+
+def _refuse_few(cut: _Cut) -> None:
+    count, planned = cut.values.size, cut.dwell.samples
+    if count < max(FEWEST_PRESENT * planned, 2):
+        raise InsufficientDataError(
+            f"{_named(cut.dwell)}: {count} of {planned} samples are there, the others are missing;"
+            " its mean needs at least half of them"
+        )
+
+
+def _refuse_bad(readings: _Cut) -> None:
+    """Refuse what is flagged otherwise than as an overload, or is no number."""
+    bad = (readings.flags != 0) | ~np.isfinite(readings.values)
+    if bad.any():
+        first = int(np.flatnonzero(bad)[0])
+        kinds = ", ".join(_kinds(int(readings.flags[first]))) or "no number"
+        raise InsufficientDataError(
+            f"{_named(readings.dwell)}: {int(bad.sum())} of {bad.size} samples are bad, the first of them"
+            f" sample {int(readings.places[first])} ({kinds}); a mean needs every sample"
+        )
+
+
+def _kinds(flags: int) -> Iterator[str]:
+    for flag in SampleFlag:
+        if flags & flag:
+            yield str(flag.name).lower().replace("_", " ")
+
+
+def _refuse_saturated(cut: _Cut, railed: NDArray[np.float64], context: Context) -> None:
+    overloaded = int(cut.overloaded.sum())
+    if overloaded:
+        found = f"{overloaded} of {cut.values.size} samples are overloads"
+    elif railed.size:
+        found = (
+            f"{railed.size} of {cut.values.size} samples read"
+            f" {_spoken(railed, cut.sampling)}: the output stands at its limit, or is stuck"
+        )
+    else:
+        return
+    full_scale = context.output.full_scale
+    scale = (
+        "full scale is not stated in the spec" if full_scale is None else f"full scale is {full_scale}"
+    )
+    raise InsufficientDataError(
+        f"{_named(cut.dwell)}: {found} ({scale}); leave such a rate out, or correct the range"
+    )
+
+
+def _spoken(railed: NDArray[np.float64], sampling: Sampling) -> str:
+    ends = " or ".join(plain(float(one), 9) for one in np.unique(railed)[:2])
+    return f"{ends} {printed_unit(sampling.unit)}".replace("-", _MINUS)
