@@ -3,8 +3,8 @@
 import math
 from dataclasses import replace
 
-from gyrotest.analysis.interval import coverage_factor
 from gyrotest.analysis.repeatability import Repeatability
+from gyrotest.procedures.uncertainty import by_statistics, expanded
 from gyrotest.records.result import Contribution, Result
 from gyrotest.units import conversion_factor
 
@@ -13,27 +13,19 @@ _UNIT = "deg/s"
 
 def mean_result(found: tuple[Result, ...], spread: Repeatability) -> Result:
     """Return the mean bias: its scatter, and once what is common to all cycles (GUM, JCGM 100)."""
-    scatter = Contribution(
-        source=f"scatter over {spread.count} power cycles",
-        kind="A",
-        distribution="normal",
-        half_width="",
-        sensitivity="1",
-        standard_uncertainty=spread.mean_uncertainty,
-        degrees_of_freedom=spread.count - 1,
+    scatter = by_statistics(
+        f"scatter over {spread.count} power cycles", spread.mean_uncertainty, spread.count - 1
     )
     worst = max(found, key=_common)
     budget = (scatter, *_common_contributions(worst))
-    combined = math.sqrt(sum(one.standard_uncertainty**2 for one in budget))
-    # Welch–Satterthwaite, JCGM 100 eq. G.2b; the common contributions have infinite freedom.
-    factor = coverage_factor((spread.count - 1) * (combined / scatter.standard_uncertainty) ** 4)
+    total = expanded(budget)
     return Result(
         name="bias_mean",
         label="Bias, mean over power cycles",
         value=spread.mean,
         unit=_UNIT,
-        expanded_uncertainty=factor * combined,
-        coverage_factor=factor,
+        expanded_uncertainty=total.uncertainty,
+        coverage_factor=total.factor,
         condition="; ".join((f"{spread.count} power cycles", *_same_condition(found))),
         budget=budget,
         not_included=tuple(dict.fromkeys(name for one in found for name in one.not_included)),

@@ -1,15 +1,13 @@
 """The bias with its uncertainty budget."""
 
-import math
-
 from gyrotest.analysis.earth import earth_share_dps
-from gyrotest.analysis.interval import coverage_factor
 from gyrotest.analysis.noise import NoiseModel
 from gyrotest.procedures.static.budget import bias_budget, missing_contributions
 from gyrotest.procedures.static.record import StaticRecord
+from gyrotest.procedures.uncertainty import expanded
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
-from gyrotest.records.result import Contribution, Result
+from gyrotest.records.result import Result
 
 _MINUS = "\N{MINUS SIGN}"
 
@@ -19,15 +17,14 @@ def bias_result(record: StaticRecord, model: NoiseModel, context: Context) -> Re
     mean_dps = float(record.rate_dps.mean())
     share_dps = _earth_share_dps(context)
     budget = bias_budget(record, model, mean_dps, share_dps, context)
-    combined = math.sqrt(sum(one.standard_uncertainty**2 for one in budget))
-    factor = coverage_factor(_effective_freedom(budget, combined))
+    found = expanded(budget)
     return Result(
         name="bias",
         label="Bias",
         value=mean_dps - (share_dps or 0.0),
         unit="deg/s",
-        expanded_uncertainty=factor * combined,
-        coverage_factor=factor,
+        expanded_uncertainty=found.uncertainty,
+        coverage_factor=found.factor,
         condition=_condition(record, share_dps),
         budget=budget,
         not_included=tuple(missing_contributions(record, context)),
@@ -50,13 +47,3 @@ def _condition(record: StaticRecord, share_dps: float | None) -> str:
     else:
         parts.append(f"Earth's share {plain(share_dps * 3600.0, 3)} °/h subtracted".replace("-", _MINUS))
     return "; ".join(part for part in parts if part)
-
-
-def _effective_freedom(budget: tuple[Contribution, ...], combined: float) -> float:
-    """Welch–Satterthwaite, JCGM 100 eq. G.2b."""
-    shares = sum(
-        one.standard_uncertainty**4 / one.degrees_of_freedom
-        for one in budget
-        if one.degrees_of_freedom is not None
-    )
-    return combined**4 / shares if shares > 0.0 else math.inf

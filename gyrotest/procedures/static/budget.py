@@ -1,26 +1,20 @@
 """The uncertainty budget of the bias (GUM, JCGM 100): what contributes, and what could not be had."""
 
-import math
 from collections.abc import Iterator
 
-from gyrotest.analysis.earth import EARTH_RATE_DPS
 from gyrotest.analysis.mean import mean_uncertainty
 from gyrotest.analysis.noise import NoiseModel
 from gyrotest.analysis.resolution import mean_half_width
+from gyrotest.procedures.budget import ROOT_3, of_earth, rate_text, rectangular
 from gyrotest.procedures.static.record import StaticRecord
+from gyrotest.procedures.uncertainty import by_statistics, rectangular
 from gyrotest.procedures.wording import engineering, plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Contribution
 from gyrotest.records.spec import OutputKind
 from gyrotest.units import Quantity, printed_unit
 
-POINTING_DEG = 1.0
-"""How far the sensitive axis is assumed to point from where mounting and site say."""
-
-_ROOT_3 = math.sqrt(3.0)
-_DPH = 3600.0
 _MATTERS = 1e-3
-_SMALL_DPS = 0.01
 
 
 def bias_budget(
@@ -33,7 +27,7 @@ def bias_budget(
         *_of_meter(mean_dps, record, context),
         *_of_steps(record, first.standard_uncertainty),
         *_of_scale_factor(mean_dps, context),
-        _of_earth(share_dps),
+        of_earth(share_dps),
     )
 
 
@@ -57,14 +51,10 @@ def _statistical(record: StaticRecord, model: NoiseModel, context: Context) -> C
     found = mean_uncertainty(
         model, duration_s=record.duration_s, since_power_on_s=since_s + record.begin_s
     )
-    return Contribution(
-        source=f"noise and drift over {plain(record.duration_s, 6)} s",
-        kind="A",
-        distribution="normal",
-        half_width="",
-        sensitivity="1",
-        standard_uncertainty=found.standard_uncertainty_dps,
-        degrees_of_freedom=found.degrees_of_freedom,
+    return by_statistics(
+        f"noise and drift over {plain(record.duration_s, 6)} s",
+        found.standard_uncertainty_dps,
+        found.degrees_of_freedom,
     )
 
 
@@ -86,9 +76,9 @@ def _of_indication(what: str, share: Quantity, of: float, record: StaticRecord) 
     half_width = share.to("") * abs(of)
     slope = abs(1.0 / scaling.scale_factor)
     unit = "" if scaling.unit == "deg/s" else f" (°/s)/{printed_unit(scaling.unit)}"
-    return _rectangular(
+    return rectangular(
         f"meter, {share} of {what}",
-        _rate_text(half_width) if scaling.unit == "deg/s" else engineering(half_width, scaling.unit),
+        rate_text(half_width) if scaling.unit == "deg/s" else engineering(half_width, scaling.unit),
         f"{plain(slope, 4)}{unit}",
         half_width * slope,
     )
@@ -99,51 +89,17 @@ def _of_steps(record: StaticRecord, noise_dps: float) -> Iterator[Contribution]:
     if record.step_dps is None:
         return
     half_dps = mean_half_width(record.step_dps, float(record.rate_dps.std(ddof=1)))
-    if half_dps / _ROOT_3 >= _MATTERS * noise_dps:
-        source = f"resolution, steps of {_rate_text(record.step_dps)}"
-        yield _rectangular(source, _rate_text(half_dps), "1", half_dps)
+    if half_dps / ROOT_3 >= _MATTERS * noise_dps:
+        source = f"resolution, steps of {rate_text(record.step_dps)}"
+        yield rectangular(source, rate_text(half_dps), "1", half_dps)
 
 
 def _of_scale_factor(mean_dps: float, context: Context) -> Iterator[Contribution]:
     if context.output.scale_factor_uncertainty is not None:
         relative = context.output.scale_factor_uncertainty.to("")
-        yield _rectangular(
+        yield rectangular(
             "scale factor",
             f"{plain(relative * 100.0, 3)} %",
-            _rate_text(abs(mean_dps), 3),
+            rate_text(abs(mean_dps), 3),
             abs(mean_dps) * relative,
         )
-
-
-def _of_earth(share_dps: float | None) -> Contribution:
-    """Give what is left of the Earth's rate: all of it, or what a small error of pointing leaves."""
-    if share_dps is None:
-        source, half_dps = "Earth's rate, not subtracted", EARTH_RATE_DPS
-    else:
-        source, half_dps = f"Earth's share, axis within {POINTING_DEG:g}°", _pointing_half_dps(share_dps)
-    return _rectangular(source, _rate_text(half_dps), "1", half_dps)
-
-
-def _pointing_half_dps(share_dps: float) -> float:
-    """Return the most by which Ω_E·cos(angle) changes when the angle does."""
-    angle = math.radians(POINTING_DEG)
-    across = math.sqrt(max(EARTH_RATE_DPS**2 - share_dps**2, 0.0))
-    return across * math.sin(angle) + abs(share_dps) * (1.0 - math.cos(angle))
-
-
-def _rectangular(source: str, half_width: str, sensitivity: str, half_dps: float) -> Contribution:
-    return Contribution(
-        source=source,
-        kind="B",
-        distribution="rectangular",
-        half_width=half_width,
-        sensitivity=sensitivity,
-        standard_uncertainty=half_dps / _ROOT_3,
-    )
-
-
-def _rate_text(rate_dps: float, digits: int = 2) -> str:
-    """Return a rate in °/h where that is the handier unit."""
-    if rate_dps < _SMALL_DPS:
-        return f"{plain(rate_dps * _DPH, digits)} °/h"
-    return f"{plain(rate_dps, digits)} °/s"
