@@ -7,6 +7,7 @@ from typing import Any
 from gyrotest.errors import GyrotestError
 from gyrotest.ports import Procedure
 from gyrotest.records.spec import Case, Output
+from gyrotest.specification.axes import case_axes_complaints, is_direction
 from gyrotest.specification.checked import Complaint, related, unrelated
 from gyrotest.specification.limits import limit_complaints, order_complaints
 from gyrotest.specification.parameters import section
@@ -24,7 +25,8 @@ def case_complaints(
     case: Case, output: Output, procedures: Catalogue, key: KeyPath, earlier: tuple[Complaint, ...]
 ) -> Iterator[Complaint]:
     """Give what is wrong with a case; `earlier` are the complaints about types."""
-    own = unrelated(_plain_complaints(case, key), earlier)
+    plain = (*_plain_complaints(case, key), *case_axes_complaints(case, output, key))
+    own = unrelated(plain, earlier)
     yield from own
     known = (*earlier, *own)
     if related((*key, "procedure"), known):
@@ -40,16 +42,11 @@ def case_complaints(
 def _plain_complaints(case: Case, key: KeyPath) -> Iterator[Complaint]:
     yield from _time_complaints(case, key)
     yield from _count_complaints(case, key)
-    if case.mounting is not None and not _is_direction(case.mounting):
+    if case.mounting is not None and not is_direction(case.mounting):
         message = "is no direction; give the sensitive axis as [up, north, east], e.g. [1, 0, 0]"
         yield Complaint((*key, "mounting"), message)
     for name, limit in case.limits.items():
         yield from order_complaints(limit, (*key, "limits", name))
-
-
-def _is_direction(axis: tuple[float, float, float]) -> bool:
-    length = math.hypot(*axis)
-    return math.isfinite(length) and length > 0
 
 
 def _time_complaints(case: Case, key: KeyPath) -> Iterator[Complaint]:
@@ -80,6 +77,8 @@ def _grid_complaints(duration: Quantity, interval: Quantity) -> Iterator[str]:
 def _count_complaints(case: Case, key: KeyPath) -> Iterator[Complaint]:
     if not 1 <= case.repeats <= MOST_REPEATS:
         yield Complaint((*key, "repeats"), f"{case.repeats} is not between 1 and {MOST_REPEATS}")
+    if case.allowed_loss is not None and not 0 <= case.allowed_loss.to("") < 1:
+        yield Complaint((*key, "allowed_loss"), f"'{case.allowed_loss}' is not between 0 and 100 %")
     if not 0 <= case.retests <= MOST_RETESTS:
         yield Complaint((*key, "retests"), f"{case.retests} is not between 0 and {MOST_RETESTS}")
 

@@ -10,6 +10,7 @@ from gyrotest.errors import SpecError
 from gyrotest.ports import Procedure
 from gyrotest.records.spec import Case, Output, OutputKind, Spec, SpecDocument
 from gyrotest.registry import PROCEDURES, load
+from gyrotest.specification.axes import output_axes_complaints, supply_complaints
 from gyrotest.specification.cases import Catalogue, case_complaints
 from gyrotest.specification.checked import Complaint, checked, unrelated
 from gyrotest.specification.limits import unknown_measurand
@@ -59,6 +60,9 @@ def _complaints(
 ) -> Iterator[Complaint]:
     yield from unrelated(_head_complaints(spec), earlier)
     yield from unrelated(_output_complaints(spec.output), earlier)
+    yield from unrelated(output_axes_complaints(spec.output), earlier)
+    if spec.supply is not None:
+        yield from unrelated(supply_complaints(spec.supply), earlier)
     yield from unrelated(_datasheet_complaints(spec.datasheet), earlier)
     for name, case in spec.cases.items():
         key = ("cases", name)

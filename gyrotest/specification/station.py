@@ -13,6 +13,7 @@ from gyrotest.specification.checked import Complaint, checked, related, unrelate
 from gyrotest.specification.parameters import section, section_or_raise
 from gyrotest.specification.reading import known_faults, raise_faults
 from gyrotest.specification.shapes import nearest
+from gyrotest.specification.slots import motion_complaints, slot_complaints
 from gyrotest.specification.yaml_document import read_yaml
 from gyrotest.specification.yaml_tree import KeyPath
 from gyrotest.units import Quantity
@@ -67,7 +68,7 @@ def _complaints(
     station: Station, drivers: Drivers, earlier: tuple[Complaint, ...]
 ) -> Iterator[Complaint]:
     yield from unrelated(_head_complaints(station), earlier)
-    yield from unrelated(_slot_complaints(station), earlier)
+    yield from unrelated(slot_complaints(station), earlier)
     yield from unrelated(_simulation_complaints(station), earlier)
     if station.site is not None:
         yield from unrelated(_site_complaints(station.site), earlier)
@@ -87,16 +88,6 @@ def _head_complaints(station: Station) -> Iterator[Complaint]:
     frequency = station.line_frequency
     if frequency is not None and frequency.to("Hz") not in LINE_FREQUENCIES_HZ:
         yield Complaint(("line_frequency",), f"'{frequency}' is neither '50 Hz' nor '60 Hz'")
-
-
-def _slot_complaints(station: Station) -> Iterator[Complaint]:
-    if not station.slots:
-        yield Complaint(("slots",), "is empty; a station has a place for at least one unit")
-    for name, slot in station.slots.items():
-        if slot.source not in station.instruments:
-            known = nearest(slot.source, station.instruments)
-            message = f"'{slot.source}' is no instrument of this station; {known}"
-            yield Complaint(("slots", name, "source"), message, (("instruments",),))
 
 
 def _simulation_complaints(station: Station) -> Iterator[Complaint]:
@@ -147,12 +138,14 @@ def _instrument_complaints(instrument: Instrument, key: KeyPath) -> Iterator[Com
         yield Complaint((*key, "calibration", "due"), message, ((*key, "calibration", "date"),))
     if timeout is not None and timeout.value <= 0:
         yield Complaint((*key, "io_timeout"), f"'{timeout}' is not more than zero")
+    if instrument.motion is not None:
+        yield from motion_complaints(instrument.motion, (*key, "motion"))
     if instrument.accuracy is not None:
         yield from _accuracy_complaints(instrument.accuracy, (*key, "accuracy"))
 
 
 def _accuracy_complaints(accuracy: Accuracy, key: KeyPath) -> Iterator[Complaint]:
-    for name in ("of_reading", "of_range", "noise"):
+    for name in ("of_reading", "of_range", "of_setting", "noise"):
         value: Quantity | None = getattr(accuracy, name)
         if value is not None and value.value < 0:
             yield Complaint((*key, name), f"'{value}' is less than zero")

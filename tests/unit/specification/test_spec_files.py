@@ -88,7 +88,7 @@ def test_parameters_that_do_not_fit_are_refused() -> None:
         ),
         ("model: MEMS50", "model:", "1: model: has no value"),
         ("model:", "modle: x\nmodel:", "1: modle: unknown key; did you mean 'model'?"),
-        ("kind: voltage", "kind: volts", "'volts' is not one of voltage, rate; did you mean 'voltage'?"),
+        ("kind: voltage", "kind: volts", "'volts' is not one of voltage, rate, count; did you mean 'voltage'?"),
         (
             "kind: voltage",
             "kind: rate",
