@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from gyrotest.errors import InstrumentError, InstrumentIdentityError, RecordingError, UnitError
+from gyrotest.instruments.replay_columns import PlayedColumns, played_columns
 from gyrotest.instruments.replay_settings import ReplaySettings
 from gyrotest.ports import Clock
 from gyrotest.recordings.digest import sha256_of
@@ -51,18 +52,20 @@ class Replay:
         self._serial_number = serial_number
         self._file: ForeignFile | None = None
         self._source_sampling: Sampling | None = None
+        self._columns: PlayedColumns | None = None
         self._averages = Averages(1)
         self._size = 1
         self._runs: Iterator[Placed] = iter(())
         self._first = self._count = 0
         self._origin: tuple[int, float] | None = None
         self._played = self._given = self._flagged = 0
+        self._absent: dict[str, int] = {}
         self._again = False
 
     def open(self) -> Identity:
         """Look at the file; its SHA-256 stands for the serial number."""
         try:
-            self._file, self._source_sampling = self._opened()
+            self._load()
             digest = sha256_of(self._path)
         except (RecordingError, OSError) as error:
             raise InstrumentError(str(error)) from error
@@ -90,6 +93,9 @@ class Replay:
             aperture_s=sampling.aperture_s,
             readings=size * sampling.readings,
             unit=sampling.unit,
+            channels=sampling.channels,
+            auxiliary=sampling.auxiliary,
+            offsets_s=sampling.offsets_s,
             noise=None if sampling.noise is None else sampling.noise / math.sqrt(size),
             range=sampling.range,
         )
@@ -106,6 +112,7 @@ class Replay:
             self._played = 0 if self._settings.rewind else self._played
             self._origin = None
             self._given = self._flagged = 0
+            self._absent = {one.name: 0 for one in self._sampling().auxiliary}
         self._first, self._count = first, count
         self._averages = Averages(self._size)
         self._runs = (
@@ -139,6 +146,9 @@ class Replay:
         found = [f"{self._given} samples from positions {begin + 1} to {self._played} of the window"]
         if self._flagged:
             found.append(f"{self._flagged} samples are missing, infinite or not a number")
+        found += [
+            f"'{name}' is missing in {count} of them" for name, count in self._absent.items() if count
+        ]
         if file.stamps is not None:
             found += described(file.stamps)
         if self._size > 1:
@@ -158,15 +168,18 @@ class Replay:
         first = int(samples.place[0]) - origin[0]
         self._first = first + len(samples)
         self._given += len(samples)
+        outputs = len(self._sampling().channels)
+        for at, name in enumerate(self._absent, start=outputs):
+            self._absent[name] += int(np.count_nonzero(~np.isfinite(samples.values[:, at])))
         self._flagged += int(np.count_nonzero(samples.flags))
         return Block(
             first=first,
             time_s=samples.time_s - origin[1],
-            values=samples.values[:, np.newaxis],
+            values=samples.values,
             flags=samples.flags,
         )
 
-    def _opened(self) -> tuple[ForeignFile, Sampling | None]:
+    def _load(self) -> None:
         own = read_header(self._path).sampling if detect(self._path) is Format.OWN else None
         rate = self._settings.sample_rate
         interval_s = None if rate is None else 1.0 / rate.to("Hz")
@@ -175,36 +188,39 @@ class Replay:
                 f"{self._path}: is a recording with a sample every {own.interval_s:g} s; leave 'sample_rate' out"
             )
         try:
-            factor = self._settings.factor(own.unit if own else None)
+            columns = played_columns(self._settings, own)
         except UnitError as error:
             raise RecordingError(f"{self._path}: {error}") from error
-        file = ForeignFile(
+        self._source_sampling, self._columns = own, columns
+        self._file = ForeignFile(
             self._path,
-            self._settings.selection(),
+            columns.selection,
             self._settings.window(),
             interval_s=own.interval_s if own else interval_s,
-            factor=factor,
+            factors=columns.factors,
+            outputs=len(columns.channels),
             time_factor_s=self._settings.time_factor_s(),
         )
-        return file, own
 
     def _sampling(self) -> Sampling:
         """How the file itself was sampled, in the unit that is given out."""
-        file, own = self._opened_file(), self._source_sampling
-        if own is None:
-            unit = self._settings.unit_out(None)
-            interval_s = file.interval_s
-            return Sampling(
-                interval_s=interval_s, aperture_s=interval_s, unit=unit, noise=self._noise(unit)
-            )
-        factor = abs(self._settings.factor(own.unit))
+        interval_s, own, columns = self._opened_file().interval_s, self._source_sampling, self._columns
+        if columns is None:
+            raise InstrumentError(f"{self._path}: the file is not opened yet")
+        factor = abs(columns.factors[0])
+        noise = self._noise(columns.unit)
+        if own is not None:
+            noise = None if own.noise is None else own.noise * factor
         return Sampling(
-            interval_s=own.interval_s,
-            aperture_s=own.aperture_s,
-            readings=own.readings,
-            unit=self._settings.unit_out(own.unit),
-            noise=None if own.noise is None else own.noise * factor,
-            range=None if own.range is None else own.range * factor,
+            interval_s=own.interval_s if own else interval_s,
+            aperture_s=own.aperture_s if own else interval_s,
+            readings=own.readings if own else 1,
+            unit=columns.unit,
+            channels=columns.channels,
+            auxiliary=columns.auxiliary,
+            offsets_s=columns.offsets_s,
+            noise=noise,
+            range=None if own is None or own.range is None else own.range * factor,
         )
 
     def _noise(self, unit: str) -> float | None:

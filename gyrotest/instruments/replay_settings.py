@@ -1,19 +1,55 @@
 """What a station says of a file that is replayed."""
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar
 
 from gyrotest.errors import UnitError
 from gyrotest.recordings.foreign import Window
-from gyrotest.recordings.formats.selection import Selection
+from gyrotest.recordings.formats.selection import Content, Selection
 from gyrotest.records.described import Described
 from gyrotest.units import Dimension, OfDimension, Quantity, conversion_factor, same_dimension
 
-_UNITS_OUT = (Dimension.VOLTAGE.value, Dimension.RATE.value)
+_UNITS_OUT = (Dimension.VOLTAGE.value, Dimension.RATE.value, Dimension.COUNT.value)
 # The unit of a time column that numbers the samples; its step comes from the sampling rate.
 _SAMPLE = "sample"
+_NAME = re.compile("[A-Za-z][A-Za-z0-9_]{0,31}")
+# Columns that every recording has.
+_TAKEN = frozenset({"index", "time_s", "flags"})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AuxiliaryColumn:
+    """A column that is recorded beside the gyro's output, and what its numbers mean."""
+
+    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
+
+    column: Annotated[str | int, Described("The column, by name or by number from 1.", "3")]
+    unit: Annotated[
+        str | None,
+        Described("Unit of its values, after `scale`; not needed for a recording of gyrotest.", "rpm"),
+    ] = None
+    scale: Annotated[float, Described("Factor on its values, before the unit.", "0.1")] = 1.0
+
+    def __post_init__(self) -> None:
+        _check_scale(self.scale)
+        try:
+            _resolved(self.unit)
+        except UnitError as error:
+            raise ValueError(str(error)) from error
+
+    def unit_out(self, unit: str | None) -> str:
+        """Return the unit that is given out: of a kind that gyrotest knows, the one it computes in."""
+        known = self.unit or unit
+        if known is None:
+            raise UnitError(f"the unit of column '{self.column}' is not known; give its 'unit'")
+        return next((one.value for one in Dimension if same_dimension(known, one.value)), known)
+
+    def factor(self, unit: str | None) -> float:
+        """Return what turns the file's numbers into that unit."""
+        return self.scale * conversion_factor(self.unit or unit or "", self.unit_out(unit))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,6 +59,20 @@ class ReplaySettings:
     __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
 
     column: Annotated[str | int | None, Described("The column of the values.", "gz")] = None
+    columns: Annotated[
+        Mapping[str, str | int],
+        Described(
+            "Of a gyro with several axes: the column of each, in the place of `column`.",
+            "{x: gx, y: gy, z: gz}",
+        ),
+    ] = field(default_factory=dict)
+    auxiliary: Annotated[
+        Mapping[str, AuxiliaryColumn],
+        Described(
+            "Columns that are recorded beside: a reference rate, a temperature. A name for each.",
+            "{reference: {column: 3, unit: rpm}}",
+        ),
+    ] = field(default_factory=dict)
     array: Annotated[
         str | None, Described("The array, variable or data set with the column.", "gyro")
     ] = None
@@ -43,7 +93,10 @@ class ReplaySettings:
     scale_factor: Annotated[
         Quantity | None,
         OfDimension(Dimension.SCALE_FACTOR_COUNT),
-        Described("Counts for a rate, where the unit is `count`.", "131 count/(deg/s)"),
+        Described(
+            "Counts for a rate, where the unit is `count` and rates are wanted; without it counts are given out.",
+            "131 count/(deg/s)",
+        ),
     ] = None
     start: Annotated[
         Quantity | None,
@@ -56,7 +109,8 @@ class ReplaySettings:
     first: Annotated[int, Described("First row of data, from 1.", "1")] = 1
     last: Annotated[int | None, Described("Last row of data.", "360000")] = None
     where: Annotated[
-        Mapping[str, str | int | float], Described("Only rows with these contents of columns.")
+        Mapping[str, Content | tuple[Content, ...]],
+        Described("Only rows with these contents of columns; one of several in a list.", "{part: z_a}"),
     ] = field(default_factory=dict)
     skip_rows: Annotated[int, Described("Lines left out at the top of a text file.", "3")] = 0
     rewind: Annotated[
@@ -64,8 +118,7 @@ class ReplaySettings:
     ] = False
 
     def __post_init__(self) -> None:
-        if not math.isfinite(self.scale) or self.scale == 0.0:
-            raise ValueError(f"scale is {self.scale:g}; it must be a number other than 0")
+        _check_scale(self.scale)
         if self.sample_rate is not None and self.sample_rate.value <= 0.0:
             raise ValueError(f"sample_rate is {self.sample_rate}; it must be more than 0")
         if self.skip_rows < 0 or self.first < 1 or (self.last is not None and self.last < self.first):
@@ -77,37 +130,54 @@ class ReplaySettings:
         if self.time_unit == _SAMPLE and self.sample_rate is None:
             raise ValueError("time_unit 'sample' needs 'sample_rate'")
         self._check_units()
+        self._check_names()
+
+    def _check_names(self) -> None:
+        if self.column is not None and self.columns:
+            raise ValueError(
+                "'column' is for one output and 'columns' for several axes; give one of them"
+            )
+        for name in (*self.columns, *self.auxiliary):
+            if not _NAME.fullmatch(name) or name in _TAKEN:
+                raise ValueError(
+                    f"'{name}' cannot name a column; write letters, digits and '_', e.g. 'reference'"
+                )
+        if twice := self.columns.keys() & self.auxiliary.keys():
+            raise ValueError(f"'{min(twice)}' is an axis and an auxiliary column at once")
 
     def _check_units(self) -> None:
         try:
             if self.time_unit != _SAMPLE:
                 conversion_factor(self.time_unit, "s")
-            if self.unit is not None and not any(
-                same_dimension(self.unit, one) for one in (*_UNITS_OUT, "count")
-            ):
+            if self.unit is not None and not any(same_dimension(self.unit, one) for one in _UNITS_OUT):
                 raise ValueError(f"unit '{self.unit}' is neither a voltage nor a rate nor 'count'")
             is_count = self.unit is not None and same_dimension(self.unit, "count")
         except UnitError as error:
             raise ValueError(str(error)) from error
-        if is_count != (self.scale_factor is not None):
+        if self.scale_factor is not None and not is_count:
             raise ValueError(
-                "unit 'count' and 'scale_factor' belong together, e.g. '131 count/(deg/s)'; "
+                "'scale_factor' is for the unit 'count', e.g. '131 count/(deg/s)'; "
                 "or give the rate of one count as 'scale' and its unit as 'unit'"
             )
         if self.scale_factor is not None and self.scale_factor.value == 0.0:
             raise ValueError("scale_factor is 0")
 
     def unit_out(self, unit: str | None) -> str:
-        """Return volts or degrees per second, for values in `unit` or in the file's own unit."""
+        """Return volts, degrees per second or counts, for values in `unit` or in the file's own unit."""
         known = self.unit or unit
         if known is None:
             raise UnitError("the unit of its values is not known; give 'unit', e.g. 'deg/s'")
-        return next(
-            one for one in _UNITS_OUT if one == Dimension.RATE.value or same_dimension(known, one)
-        )
+        if self.scale_factor is not None:
+            return Dimension.RATE.value
+        out = next((one for one in _UNITS_OUT if same_dimension(known, one)), None)
+        if out is None:
+            raise UnitError(
+                f"its values are in '{known}', which is neither a voltage nor a rate nor 'count'"
+            )
+        return out
 
     def factor(self, unit: str | None) -> float:
-        """Return what turns the file's numbers into volts or degrees per second."""
+        """Return what turns the file's numbers into volts, degrees per second or counts."""
         if self.scale_factor is not None:
             return self.scale / self.scale_factor.to(Dimension.SCALE_FACTOR_COUNT.value)
         return self.scale * conversion_factor(self.unit or unit or "", self.unit_out(unit))
@@ -119,11 +189,16 @@ class ReplaySettings:
         return conversion_factor(self.time_unit, "s")
 
     def selection(self) -> Selection:
-        """Return what is read of the file."""
+        """Return what is read of the file: the outputs, then the auxiliary columns."""
+        outputs: tuple[str | int | None, ...] = tuple(self.columns.values()) or (self.column,)
         return Selection(
-            column=self.column,
+            column=outputs[0],
             array=self.array,
             time_column=self.time_column,
+            beside=(
+                *(one for one in outputs[1:] if one is not None),
+                *(one.column for one in self.auxiliary.values()),
+            ),
             where=self.where,
             skip_rows=self.skip_rows,
         )
@@ -136,3 +211,14 @@ class ReplaySettings:
             start_s=None if self.start is None else self.start.to("s"),
             end_s=None if self.end is None else self.end.to("s"),
         )
+
+
+def _check_scale(scale: float) -> None:
+    if not math.isfinite(scale) or scale == 0.0:
+        raise ValueError(f"scale is {scale:g}; it must be a number other than 0")
+
+
+def _resolved(unit: str | None) -> None:
+    """Raise `UnitError` for what is no unit."""
+    if unit is not None:
+        same_dimension(unit, unit)

@@ -133,6 +133,8 @@ def stand_in(shape: Shape) -> Any:
         return shape.quantity.example()
     if shape.origin is tuple and ... not in typing.get_args(shape.kind):
         return [stand_in(shape_of(one)) for one in typing.get_args(shape.kind)]
+    if shape.origin in {typing.Union, types.UnionType}:
+        return stand_in(shape_of(typing.get_args(shape.kind)[0]))
     if shape.origin is not None:
         return {} if shape.origin in {Mapping, dict} else []
     simple = {int: 1, float: 1.0, bool: False, date: "2000-01-01"}

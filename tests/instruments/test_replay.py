@@ -9,10 +9,16 @@ import pytest
 from gyrotest.clock import RealClock
 from gyrotest.errors import InstrumentError, InstrumentIdentityError, RecordingError
 from gyrotest.instruments.replay import Replay
-from gyrotest.instruments.replay_settings import ReplaySettings
+from gyrotest.instruments.replay_settings import AuxiliaryColumn, ReplaySettings
 from gyrotest.ports import Source
 from gyrotest.recordings.writer import RecordingWriter
-from gyrotest.records.recording import Block, Identity, RecordingHeader, SampleFlag, Sampling
+from gyrotest.records.recording import (
+    Block,
+    Identity,
+    RecordingHeader,
+    SampleFlag,
+    Sampling,
+)
 from gyrotest.records.station import Accuracy
 from gyrotest.units import Quantity
 
@@ -37,6 +43,7 @@ def values(blocks: list[Block]) -> list[float]:
 
 
 HZ_10 = Quantity(10.0, "Hz")
+BESIDE = AuxiliaryColumn(column=3, unit="rpm")
 
 
 @pytest.fixture
@@ -76,10 +83,12 @@ def test_another_file_than_the_station_names_is_refused(ramp):
         ({"unit": "rad/s"}, "deg/s", np.degrees(1.0)),
         ({"unit": "deg/h", "scale": -1.0}, "deg/s", -1 / 3600),
         ({"unit": "deg/s", "scale": 0.05}, "deg/s", 0.05),
+        ({"unit": "count"}, "count", 1.0),
+        ({"unit": "LSB", "scale": -2.0}, "count", -2.0),
         ({"unit": "count", "scale_factor": Quantity(131.0, "count/(deg/s)")}, "deg/s", 1 / 131),
     ],
 )
-def test_values_come_in_volts_or_degrees_per_second(ramp, settings, unit, second):
+def test_values_come_in_volts_degrees_per_second_or_counts(ramp, settings, unit, second):
     source = replay(ramp, sample_rate=HZ_10, **settings)
     source.open()
     assert source.configure(0.1).unit == unit
@@ -237,8 +246,13 @@ def test_what_the_file_does_not_say_is_asked_for(ramp, settings, fault):
     [
         ({"unit": "m"}, "neither a voltage nor a rate nor 'count'"),
         ({"unit": "furlong"}, "no unit"),
-        ({"unit": "count"}, "belong together"),
-        ({"unit": "V", "scale_factor": Quantity(131.0, "count/(deg/s)")}, "belong together"),
+        (
+            {"unit": "V", "scale_factor": Quantity(131.0, "count/(deg/s)")},
+            "'scale_factor' is for the unit 'count'",
+        ),
+        ({"column": "gx", "columns": {"x": "gx"}}, "give one of them"),
+        ({"columns": {"time_s": "gx"}}, "'time_s' cannot name a column"),
+        ({"columns": {"x": "gx"}, "auxiliary": {"x": BESIDE}}, "an axis and an auxiliary column"),
         ({"scale": 0.0}, "scale is 0"),
         ({"scale": float("nan")}, "scale is nan"),
         ({"first": 0}, "rows count from 1"),

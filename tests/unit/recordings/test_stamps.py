@@ -68,7 +68,7 @@ def placed(places: list[int]) -> Placed:
     return Placed(
         place=index,
         time_s=index * 0.1,
-        values=index.astype(np.float64),
+        values=np.stack([index, -2.0 * index], axis=1),
         flags=(index == 4).astype(np.uint8),
     )
 
@@ -79,7 +79,8 @@ def test_means_are_of_whole_groups_only(cut):
     averages = Averages(3)
     parts = list(averages.of([placed(places[:cut]), placed(places[cut:])]))
     assert np.concatenate([part.place for part in parts]).tolist() == [0, 1, 3]
-    assert np.concatenate([part.values for part in parts]).tolist() == [1.0, 4.0, 10.0]
+    means = np.concatenate([part.values for part in parts])
+    assert means.tolist() == [[1.0, -2.0], [4.0, -8.0], [10.0, -20.0]]
     assert np.concatenate([part.flags for part in parts]).tolist() == [0, 1, 0]
     assert averages.incomplete == 1
 
