@@ -175,7 +175,8 @@ class _Cut:
 
     @property
     def overloaded(self) -> NDArray[np.bool_]:
-        return (self.flags & np.uint8(SampleFlag.OVERLOAD)) != 0
+        overloaded: NDArray[np.bool_] = (self.flags & np.uint8(SampleFlag.OVERLOAD)) != 0
+        return overloaded
 
     def only(self, chosen: NDArray[np.bool_]) -> "_Cut":
         if chosen.all():

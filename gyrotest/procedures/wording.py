@@ -8,6 +8,7 @@ from gyrotest.units import printed_unit
 _PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k"}
 _PREFIXED = ("V", "s", "Hz")
 _WHOLE_FROM = 10.0
+_SMALL_DPS = 0.01
 
 
 def plain(value: float, digits: int) -> str:
@@ -29,3 +30,10 @@ def engineering(value: float, unit: str, digits: int = 2) -> str:
 def freedom(degrees: float) -> str:
     """Return degrees of freedom: whole from ten on."""
     return f"{plain(float(round(degrees)), 3) if degrees >= _WHOLE_FROM else plain(degrees, 2)} d.o.f."
+
+
+def rate_text(rate_dps: float, digits: int = 2) -> str:
+    """Return a rate in °/h where that is the handier unit."""
+    small = abs(rate_dps) < _SMALL_DPS
+    text = f"{plain(rate_dps * 3600.0, digits)} °/h" if small else f"{plain(rate_dps, digits)} °/s"
+    return text.replace("-", "\N{MINUS SIGN}")

@@ -5,16 +5,17 @@ from collections.abc import Iterator
 from gyrotest.analysis.mean import mean_uncertainty
 from gyrotest.analysis.noise import NoiseModel
 from gyrotest.analysis.resolution import mean_half_width
-from gyrotest.procedures.budget import ROOT_3, of_earth, rate_text, rectangular
+from gyrotest.procedures.earth import of_earth
 from gyrotest.procedures.static.record import StaticRecord
 from gyrotest.procedures.uncertainty import by_statistics, rectangular
-from gyrotest.procedures.wording import engineering, plain
+from gyrotest.procedures.wording import engineering, plain, rate_text
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Contribution
 from gyrotest.records.spec import OutputKind
 from gyrotest.units import Quantity, printed_unit
 
-_MATTERS = 1e-3
+_MATTERS = 1.7e-3
+"""Half a step over the noise, below which it adds nothing to it."""
 
 
 def bias_budget(
@@ -89,7 +90,7 @@ def _of_steps(record: StaticRecord, noise_dps: float) -> Iterator[Contribution]:
     if record.step_dps is None:
         return
     half_dps = mean_half_width(record.step_dps, float(record.rate_dps.std(ddof=1)))
-    if half_dps / ROOT_3 >= _MATTERS * noise_dps:
+    if half_dps >= _MATTERS * noise_dps:
         source = f"resolution, steps of {rate_text(record.step_dps)}"
         yield rectangular(source, rate_text(half_dps), "1", half_dps)
 
