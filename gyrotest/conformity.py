@@ -39,7 +39,8 @@ def judge(
 ) -> JudgedResult:
     """Hold a result against its limit, in the limit's unit; a limit of None judges nothing.
 
-    `axis` is the axis that the result belongs to (empty for a single-axis gyro). What is missing, not a number or infinite never passes: it is INCOMPLETE, with the reason.
+    `axis` is the axis that the result belongs to (empty for a single-axis gyro). What is missing, not a
+    number or infinite never passes: it is INCOMPLETE, with the reason.
     """
     unit = _unit(measurand, limit)
     applied = _applied(limit, unit)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.lines import Line2D
-from matplotlib.ticker import AutoLocator, LogLocator, NullLocator, ScalarFormatter
+from matplotlib.ticker import AutoLocator, LogLocator, MaxNLocator, NullLocator, ScalarFormatter
 from matplotlib.transforms import blended_transform_factory
 from numpy.typing import ArrayLike
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MARGIN, _LOG_MARGIN = 0.05, 0.03
+_CLEAR = 0.04  # of the width, between a single point and the frame
 _NEARLY = 0.015
 _FEW_DECADES = 2.2  # up to which ticks within a decade get numbers as well
 _DEEPEST = 1e15  # how far down a logarithmic axis reaches
@@ -35,15 +36,20 @@ def lay_scales(axes: "Axes", x: Scale, y: Scale) -> None:
     axes.margins(x=_LOG_MARGIN if x is Scale.LOG else 0.0, y=_LOG_MARGIN if y is Scale.LOG else _MARGIN)
 
 
-def fit(frames: "Sequence[Axes]") -> None:
-    """Let the axes show all that was drawn, and lay their ticks."""
+def fit(frames: "Sequence[Axes]", dots: "Sequence[float]" = ()) -> None:
+    """Let the axes show all that was drawn, and lay their ticks; `dots` are the places of single points.
+
+    Where all of these are whole numbers, as those of power cycles are, so are the ticks.
+    """
     for axes in frames:
         axes.autoscale_view()
         _cut_decades(axes)
     _reach_ticks(frames[-1])
+    _keep_clear(frames[-1], dots)
+    counted = bool(dots) and all(float(one).is_integer() for one in dots)
     for axes in frames:
         for axis in (axes.xaxis, axes.yaxis):
-            _lay_ticks(axis)
+            _lay_ticks(axis, counted=counted and axis is axes.xaxis)
             _rule(axes, axis)
 
 
@@ -97,15 +103,28 @@ def _reach_ticks(axes: "Axes") -> None:
     axes.set_xlim(*np.where(near, nearest, ends))
 
 
-def _lay_ticks(axis: "Axis") -> None:
+def _keep_clear(axes: "Axes", dots: "Sequence[float]") -> None:
+    """Let single points stand off from the frame's sides."""
+    if not dots or axes.get_xscale() != "linear":
+        return
+    low, high = axes.get_xlim()
+    aside = _CLEAR * (high - low)
+    axes.set_xlim(min(low, min(dots) - aside), max(high, max(dots) + aside))
+
+
+def _lay_ticks(axis: "Axis", *, counted: bool) -> None:
     if axis.get_scale() == "log":
         _lay_log_ticks(axis)
     else:
-        axis.set_major_locator(AutoLocator())
+        axis.set_major_locator(_whole_numbers() if counted else AutoLocator())
         formatter = ScalarFormatter(useOffset=False)
         formatter.set_powerlimits(_POWERS)
         axis.set_major_formatter(formatter)
         axis.offsetText.set_visible(False)  # the label says the factor
+
+
+def _whole_numbers() -> MaxNLocator:
+    return MaxNLocator(nbins="auto", integer=True, steps=[1, 2, 5, 10], min_n_ticks=1)
 
 
 def _lay_log_ticks(axis: "Axis") -> None:

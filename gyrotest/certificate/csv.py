@@ -12,6 +12,7 @@ COLUMNS = (
     "serial_number",
     "case",
     "repeat",
+    "axis",
     "name",
     "label",
     "value",
@@ -47,6 +48,7 @@ def _fields(result: JudgedResult) -> tuple[object, ...]:
     return (
         result.case,
         result.repeat,
+        result.axis,
         result.name,
         result.label,
         result.value,

@@ -11,6 +11,7 @@ from matplotlib.path import Path
 
 from gyrotest.certificate.axes import fit, lay_scales, write_x_label, write_y_label
 from gyrotest.certificate.labels import write_texts
+from gyrotest.certificate.points import draw_points
 from gyrotest.certificate.style import BAND, BAR, POINTS, STROKES, WIDTHS, series_stroke, stroke_of
 from gyrotest.records.figure import Band, Bars, Curve, Figure, Panel, Role, Scale
 
@@ -31,7 +32,7 @@ def drawing(figure: Figure) -> Paper:
     for axes, panel in zip(frames, figure.panels, strict=True):
         lay_scales(axes, figure.panels[0].x_scale, panel.y_scale)
         _draw_panel(axes, panel)
-    fit(frames)
+    fit(frames, [x for panel in figure.panels for points in panel.points for x in points.x])
     for axes, panel in zip(frames, figure.panels, strict=True):
         write_y_label(axes, panel.y_label)
         write_texts(axes, panel)
@@ -67,6 +68,8 @@ def _draw_panel(axes: "Axes", panel: Panel) -> None:
         _draw_bars(axes, panel.bars)
     for curve in panel.curves:
         _draw_curve(axes, curve)
+    for points in panel.points:
+        draw_points(axes, points)
     for mark in panel.marks:
         axes.plot(
             [mark.x], [mark.y], "o", color=STROKES[Role.DATA].colour, markersize=_MARK, markeredgewidth=0

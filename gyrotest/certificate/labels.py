@@ -3,46 +3,45 @@
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.font_manager import FontProperties
-from matplotlib.lines import Line2D
-from matplotlib.textpath import text_to_path
-from matplotlib.transforms import Affine2D, Bbox
+from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike, NDArray
 
-from gyrotest.certificate.style import FAINT, FONT_SIZE, INK, POINTS, Stroke, stroke_of
+from gyrotest.certificate.legend import draw_legend, legend_entries, legend_size, size
+from gyrotest.certificate.style import FAINT, INK, stroke_of
 from gyrotest.records.figure import Mark, Panel, Role
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_HEIGHT = 1.25  # of a line of text, in font sizes
 _GAP = 4.0
 _DISTANCES = (4.0, 8.0, 14.0, 20.0, 28.0, 36.0, 46.0)  # of a mark's text, the nearest is tried first
 _SPACING = 3.0
 _PLACES = 25
 _LEADER = 7.0  # from which distance on a mark is joined to its text
 _MARK = 2.5
-_SAMPLE = 18.0  # of a line in a legend
 
 
 def write_texts(axes: "Axes", panel: Panel) -> None:
     """Write the marks' texts, the names of curves and bands, and the note, each where there is room."""
     names = list(_names(axes, panel))
-    if not (panel.marks or panel.note or panel.legend or any(name.text for name in names)):
+    entries = legend_entries(panel)
+    if not (panel.marks or panel.note or entries or any(name.text for name in names)):
         return
     marks = [axes.transData.transform((mark.x, mark.y)) for mark in panel.marks]
     layout = Layout(
         frame=axes.get_window_extent(),
-        ink=np.vstack([np.empty((0, 2)), *(name.line for name in names)]),
+        ink=np.vstack([np.empty((0, 2)), *(name.line for name in names), *_dots(axes, panel)]),
         taken=[Bbox.from_bounds(x - _MARK, y - _MARK, 2 * _MARK, 2 * _MARK) for x, y in marks],
     )
     for mark, (x, y) in zip(panel.marks, marks, strict=True):
         _write_mark(axes, mark, layout.around(mark.label, x, y), x, y)
-    if panel.legend:
-        _write_legend(axes, panel, layout)
+    if entries:
+        box = layout.block(*legend_size(entries))
+        draw_legend(axes, entries, left=box.x0, top=box.y1)
     for name in names:
         if name.text and len(name.line):
             _write(axes, name.text, layout.along(name.text, name.line), name.colour)
@@ -68,6 +67,13 @@ def _names(axes: "Axes", panel: Panel) -> Iterator[_Name]:
             yield _Name(band.label, FAINT, _line(axes, band.x, band.upper))
         if panel.legend:
             yield _Name("", FAINT, _line(axes, band.x, band.lower))
+
+
+def _dots(axes: "Axes", panel: Panel) -> Iterator[NDArray[np.float64]]:
+    """Where single points and their bars stand on the paper."""
+    for points in panel.points:
+        for x, y, u in zip_longest(points.x, points.y, points.u, fillvalue=0.0):
+            yield _line(axes, (x, x), (y - u, y + u))
 
 
 @dataclass(slots=True, kw_only=True)
@@ -142,13 +148,6 @@ def _hits(
     return np.asarray(np.count_nonzero(across & along, axis=1))
 
 
-def size(text: str) -> tuple[float, float]:
-    """The width and the height that a text takes, in points."""
-    font = FontProperties(size=FONT_SIZE)
-    width, _, _ = text_to_path.get_text_width_height_descent(text, font, ismath=False)
-    return width + 2, _HEIGHT * FONT_SIZE
-
-
 def dense(line: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return points (n, 2) along a polyline, a few points of paper apart."""
     if len(line) < 2:
@@ -176,32 +175,6 @@ def _write(axes: "Axes", text: str, box: Bbox, colour: str) -> None:
         color=colour,
         bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "alpha": 0.7, "linewidth": 0},
     )
-
-
-def _write_legend(axes: "Axes", panel: Panel, layout: Layout) -> None:
-    """Write the names of data curves under one another, each behind a piece of its line."""
-    named = [(one.label, stroke_of(one)) for one in panel.curves if one.role is Role.DATA and one.label]
-    if not named:
-        return
-    height, width = size("")[1], max(size(label)[0] for label, _ in named)
-    box = layout.block(_SAMPLE + _GAP + width, height * len(named))
-    for row, (label, stroke) in enumerate(named):
-        middle = box.y1 - (row + 0.5) * height
-        _draw_sample(axes, stroke, box.x0, middle)
-        place = (box.x0 + _SAMPLE + _GAP, middle)
-        axes.annotate(label, xy=place, xycoords="figure points", va="center", color=INK)
-
-
-def _draw_sample(axes: "Axes", stroke: Stroke, x: float, y: float) -> None:
-    line = Line2D(
-        (x, x + _SAMPLE),
-        (y, y),
-        transform=Affine2D().scale(1 / POINTS) + axes.figure.dpi_scale_trans,
-        color=stroke.colour,
-        linewidth=stroke.width,
-        linestyle=(0, stroke.dashes) if stroke.dashes else "-",
-    )
-    axes.add_artist(line)
 
 
 def _write_mark(axes: "Axes", mark: Mark, box: Bbox, x: float, y: float) -> None:

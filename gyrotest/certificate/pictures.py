@@ -5,13 +5,15 @@ from dataclasses import dataclass, replace
 
 from gyrotest.certificate.figures import svg
 from gyrotest.certificate.gauge import image_source
+from gyrotest.certificate.order import axes_of
 from gyrotest.certificate.procedure_table import TableView, table_view
 from gyrotest.certificate.style import POINTS, WIDTHS
 from gyrotest.records.figure import Figure, Width
 from gyrotest.records.run import ItemRecord, RunRecord
 
 _MM = 25.4 / POINTS  # a point of paper
-_BESIDE = {Width.HALF: Width.HALF, Width.WIDE: Width.NARROW, Width.NARROW: Width.WIDE}
+_SHARES = {Width.FULL: 6, Width.WIDE: 4, Width.HALF: 3, Width.NARROW: 2}
+_WHOLE = 6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,7 +32,7 @@ class Picture:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PictureGroup:
-    """The figures of one acquisition; each row holds one figure, or two side by side."""
+    """The figures of one acquisition and axis; each row holds one figure, or those that fill it side by side."""
 
     heading: str
     rows: tuple[tuple[Picture, ...], ...]
@@ -43,25 +45,28 @@ def picture_groups(record: RunRecord) -> tuple[PictureGroup, ...]:
 
 def _groups(record: RunRecord) -> Iterator[PictureGroup]:
     number = 0
+    axes = axes_of(record)
     for item in record.items:
-        if item.last is None or not item.last.figures:
-            continue
-        rows = []
-        for row in _in_rows(item.last.figures):
-            rows.append(tuple(_picture(figure, number + n) for n, figure in enumerate(row, start=1)))
-            number += len(row)
-        yield PictureGroup(heading=_heading(record, item), rows=tuple(rows))
+        figures = item.last.figures if item.last else ()
+        for axis in axes:
+            rows = []
+            for row in _in_rows(tuple(one for one in figures if one.axis == axis)):
+                rows.append(tuple(_picture(figure, number + n) for n, figure in enumerate(row, start=1)))
+                number += len(row)
+            if rows:
+                yield PictureGroup(heading=_heading(record, item, axis), rows=tuple(rows))
 
 
-def _heading(record: RunRecord, item: ItemRecord) -> str:
+def _heading(record: RunRecord, item: ItemRecord, axis: str) -> str:
     repeats = [
         one.plan.repeat for one in record.items if one.plan.case == item.plan.case and one.plan.repeat
     ]
+    parts = [item.plan.case]
     if item.plan.repeat is None:
-        return f"{item.plan.case}, over the repeats"
-    if len(repeats) < 2:
-        return item.plan.case
-    return f"{item.plan.case}, repeat {item.plan.repeat} of {max(repeats)}"
+        parts.append("over the repeats")
+    elif len(repeats) > 1:
+        parts.append(f"repeat {item.plan.repeat} of {max(repeats)}")
+    return ", ".join((*parts, f"axis {axis}") if axis else parts)
 
 
 def _picture(figure: Figure, number: int) -> Picture:
@@ -78,19 +83,22 @@ def _picture(figure: Figure, number: int) -> Picture:
 
 
 def _in_rows(figures: tuple[Figure, ...]) -> Iterator[tuple[Figure, ...]]:
-    """Put parts of a width that follow one another side by side; one alone takes the whole width."""
-    waiting: Figure | None = None
+    """Put parts of a width that follow one another side by side, in rows that they fill."""
+    waiting: list[Figure] = []
     for figure in figures:
-        if waiting is not None and _BESIDE[waiting.width] is figure.width:
-            yield (waiting, figure)
-            waiting = None
-            continue
-        if waiting is not None:
-            yield (replace(waiting, width=Width.FULL),)
-            waiting = None
-        if figure.width in _BESIDE:
-            waiting = figure
-        else:
-            yield (figure,)
-    if waiting is not None:
-        yield (replace(waiting, width=Width.FULL),)
+        if sum(_SHARES[one.width] for one in (*waiting, figure)) > _WHOLE:
+            yield from _stretched(waiting)
+            waiting = []
+        waiting.append(figure)
+        if sum(_SHARES[one.width] for one in waiting) == _WHOLE:
+            yield tuple(waiting)
+            waiting = []
+    yield from _stretched(waiting)
+
+
+def _stretched(waiting: list[Figure]) -> Iterator[tuple[Figure, ...]]:
+    """Let figures that do not fill a row take a half each where they are two alike, else the whole."""
+    if len(waiting) == 2 and waiting[0].width is waiting[1].width:
+        yield tuple(replace(one, width=Width.HALF) for one in waiting)
+    else:
+        yield from ((replace(one, width=Width.FULL),) for one in waiting)

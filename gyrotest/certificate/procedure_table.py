@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from gyrotest.certificate.numbers import printed, significant
 from gyrotest.records.table import Cell, Column, Table
 
+_LONG = 14
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TableView:
@@ -15,6 +17,11 @@ class TableView:
     columns: tuple[Column, ...]
     rows: tuple[tuple[str, ...], ...]
     sentences: tuple[str, ...]
+
+    @property
+    def long(self) -> bool:
+        """Whether there are too many rows to keep them on one page."""
+        return len(self.rows) > _LONG
 
 
 def table_view(table: Table) -> TableView:

@@ -1,11 +1,14 @@
 """The sentences of a certificate: what conforms, by which rule, with which uncertainty, and what deviates."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from gyrotest.certificate.rows import LOOKS, RULE_WORDS, outcome
+from gyrotest.certificate.equipment import instruments_of_slot, is_unit
+from gyrotest.certificate.looks import LOOKS, RULE_WORDS
+from gyrotest.certificate.order import in_order
+from gyrotest.certificate.rows import outcome
 from gyrotest.records.result import JudgedResult, Verdict
-from gyrotest.records.run import ItemRecord, RunRecord
+from gyrotest.records.run import Attempt, ItemRecord, PlannedItem, RunRecord
 from gyrotest.records.spec import DecisionRule
 
 _NAMED = 8
@@ -71,7 +74,7 @@ def banners(record: RunRecord) -> Iterator[Banner]:
         text = f"this certificate replaces {record.amends}."
         yield Banner(style="amended", heading="Amended:", text=text)
     for verdict, heading in _HEADINGS.items():
-        found = [outcome(one) for one in record.results if one.verdict is verdict]
+        found = [outcome(one) for one in in_order(record) if one.verdict is verdict]
         if found:
             yield Banner(style=LOOKS[verdict].style, heading=heading, text=_listed(found))
     unjudged = any(one.verdict is Verdict.INCOMPLETE for one in record.results)
@@ -115,14 +118,7 @@ def deviations(record: RunRecord) -> tuple[str, ...]:
 
 def remarks(record: RunRecord) -> tuple[str, ...]:
     """What is to be known of the acquisitions, without being a deviation."""
-    return tuple(
-        dict.fromkeys(
-            f"{item.plan.name}: {remark}"
-            for item in record.items
-            for attempt in item.attempts
-            for remark in attempt.remarks
-        )
-    )
+    return tuple(_of_items(record, lambda attempt: attempt.remarks))
 
 
 def _deviations(record: RunRecord) -> Iterator[str]:
@@ -131,13 +127,16 @@ def _deviations(record: RunRecord) -> Iterator[str]:
     yield from _calibrations(record)
     for item in record.items:
         yield from _of_item(item)
+    yield from _of_items(record, lambda attempt: attempt.events)
 
 
 def _calibrations(record: RunRecord) -> Iterator[str]:
     if record.simulated or record.replayed:
         return
     day = record.header.started_utc.date()
-    for name, instrument in record.header.station.station.instruments.items():
+    for name, instrument in instruments_of_slot(record).items():
+        if is_unit(record, name):
+            continue
         if instrument.calibration is None:
             yield f"instrument '{name}': calibration not stated"
         elif instrument.calibration.due < day:
@@ -147,7 +146,6 @@ def _calibrations(record: RunRecord) -> Iterator[str]:
 def _of_item(item: ItemRecord) -> Iterator[str]:
     name = item.plan.name
     for attempt in item.attempts:
-        yield from (f"{name}: {event}" for event in attempt.events)
         recording = attempt.recording
         for gap in recording.gaps if recording else ():
             yield f"{name}: {gap.missing} samples missing after sample {gap.after} ({gap.reason})"
@@ -155,6 +153,24 @@ def _of_item(item: ItemRecord) -> Iterator[str]:
             yield f"{name}: {recording.flagged} samples flagged as overload or not a number"
     if len(item.attempts) > 1:
         yield f"{name}: attempt {len(item.attempts)} counts; earlier attempts are listed"
+
+
+def _of_items(record: RunRecord, texts: Callable[[Attempt], tuple[str, ...]]) -> Iterator[str]:
+    """What is said of items; the same of several is said once."""
+    said: dict[str, list[PlannedItem]] = {}
+    for item in record.items:
+        for text in dict.fromkeys(text for attempt in item.attempts for text in texts(attempt)):
+            said.setdefault(text, []).append(item.plan)
+    yield from (f"{_named(plans)}: {text}" for text, plans in said.items())
+
+
+def _named(plans: list[PlannedItem]) -> str:
+    if len(plans) == 1:
+        return plans[0].name
+    cases: dict[str, list[str]] = {}
+    for plan in plans:
+        cases.setdefault(plan.case, []).append("all" if plan.repeat is None else str(plan.repeat))
+    return "; ".join(f"{case}, repeats {', '.join(repeats)}" for case, repeats in cases.items())
 
 
 def _rules(record: RunRecord) -> list[DecisionRule]:

@@ -75,6 +75,19 @@ SERIES = (
 )
 
 
+@dataclass(frozen=True, slots=True)
+class Marker:
+    """How single points are drawn: a shape, full or hollow, so that they are told apart in grey."""
+
+    shape: str
+    size: float
+    colour: str
+    filled: bool = True
+
+
+_SHAPES = (("o", 3.6, True), ("s", 5.0, False), ("^", 4.4, True), ("D", 4.6, False), ("v", 4.4, True))
+
+
 def stroke_of(curve: Curve) -> Stroke:
     """Return how a curve is drawn."""
     return series_stroke(curve.series) if curve.role is Role.DATA else STROKES[curve.role]
@@ -83,6 +96,12 @@ def stroke_of(curve: Curve) -> Stroke:
 def series_stroke(series: int) -> Stroke:
     """Return how the data of one of several records are drawn."""
     return SERIES[series % len(SERIES)]
+
+
+def marker_of(series: int) -> Marker:
+    """Return how the points of one of several series are drawn; their colours are those of the lines."""
+    shape, size, filled = _SHAPES[series % len(_SHAPES)]
+    return Marker(shape, size, series_stroke(series).colour, filled)
 
 
 @contextmanager

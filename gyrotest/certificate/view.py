@@ -1,20 +1,25 @@
 """What the template fills in: a run record as texts, tables and images."""
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import PureWindowsPath
 
 from gyrotest.certificate import appendix, statement
+from gyrotest.certificate.budgets import Budget, budgets
+from gyrotest.certificate.case_tables import CaseTable, case_tables
+from gyrotest.certificate.conditions import conditions
+from gyrotest.certificate.datasheet import datasheet_tables
+from gyrotest.certificate.equipment import NOT_STATED, Equipment, equipment
+from gyrotest.certificate.looks import LOOKS, Look
 from gyrotest.certificate.pictures import PictureGroup, picture_groups
-from gyrotest.certificate.rows import LOOKS, CaseTable, Look, case_tables
+from gyrotest.certificate.printing import printed_text
+from gyrotest.certificate.procedure_table import TableView
 from gyrotest.records.result import Verdict
-from gyrotest.records.run import RunRecord
-from gyrotest.units import printed_unit
+from gyrotest.records.run import ExportedFile, RunRecord
+from gyrotest.records.spec import OutputMode
 
 _HASH_BEGINNING = 16
-_DEGREES = re.compile(r" °(?![/A-Z])")  # an angle's sign follows its number at once
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,10 +56,12 @@ class View:
     conditions: tuple[str, ...]
     deviations: tuple[str, ...]
     pictures: tuple[PictureGroup, ...]
-    equipment: tuple[appendix.Equipment, ...]
-    budgets: tuple[appendix.Budget, ...]
+    datasheet: tuple[TableView, ...]
+    equipment: tuple[Equipment, ...]
+    budgets: tuple[Budget, ...]
     attempts: tuple[appendix.AttemptLine, ...]
     recordings: tuple[appendix.RecordingLine, ...]
+    exports: tuple[ExportedFile, ...]
     hashes: tuple[Fact, ...]
     sha256: str
     sha256_beginning: str
@@ -87,13 +94,15 @@ def view(record: RunRecord, sha256: str) -> View:
         uncertainty=statement.uncertainty(record),
         operator=header.operator,
         tested_on=f"{_ended(record):%Y-%m-%d}",
-        conditions=tuple(_conditions(record)),
+        conditions=conditions(record),
         deviations=statement.deviations(record),
         pictures=picture_groups(record),
-        equipment=appendix.equipment(record),
-        budgets=appendix.budgets(record),
+        datasheet=datasheet_tables(record),
+        equipment=equipment(record),
+        budgets=budgets(record),
         attempts=appendix.attempts(record),
         recordings=appendix.recordings(record),
+        exports=appendix.exports(record),
         hashes=(
             Fact(name="Run record (attached: run.json)", value=sha256),
             Fact(name=f"Spec {_file_name(header.spec.path)}", value=header.spec.sha256),
@@ -128,7 +137,9 @@ def _unit_facts(record: RunRecord) -> Iterator[Fact]:
     if spec.manufacturer:
         yield Fact(name="Manufacturer", value=spec.manufacturer)
     output = spec.output
-    nominal = [f"{output.kind.value}"]
+    nominal = [output.kind.value]
+    nominal += [f"from {output.mode.value.replace('_', ' ')}s"] * (output.mode is not OutputMode.RATE)
+    nominal += [f"axes {', '.join(output.axes)}"] * bool(output.axes)
     nominal += [str(one) for one in (output.scale_factor, output.full_scale) if one is not None]
     yield Fact(name="Output, nominal", value=printed_text(", ".join(nominal)))
     for key, value in record.header.meta.items():
@@ -145,17 +156,12 @@ def _test_facts(record: RunRecord) -> Iterator[Fact]:
     if station.address:
         yield Fact(name="Place", value=station.address)
     ambient = ", ".join(f"{name} {value}" for name, value in station.ambient.items())
-    yield Fact(name="Ambient", value=ambient or appendix.NOT_STATED)
-    yield Fact(name="Operator", value=header.operator or appendix.NOT_STATED)
+    yield Fact(name="Ambient", value=ambient or NOT_STATED)
+    yield Fact(name="Operator", value=header.operator or NOT_STATED)
     versions = sorted(header.software.items(), key=lambda one: one[0] != "gyrotest")
     software = ", ".join(f"{name} {version}" for name, version in versions)
-    yield Fact(name="Software", value=software or appendix.NOT_STATED)
+    yield Fact(name="Software", value=software or NOT_STATED)
     yield Fact(name="Attempt", value=_attempt(record))
-
-
-def printed_text(text: str) -> str:
-    """A text with its units printed for people."""
-    return _DEGREES.sub("°", printed_unit(text))
 
 
 def _attempt(record: RunRecord) -> str:
@@ -175,16 +181,3 @@ def _span(begin: datetime, end: datetime) -> str:
     if begin.date() == end.date():
         return f"{begin:%Y-%m-%d %H:%M}–{end:%H:%M} UTC"
     return f"{begin:%Y-%m-%d %H:%M} – {end:%Y-%m-%d %H:%M} UTC"
-
-
-def _conditions(record: RunRecord) -> Iterator[str]:
-    yield from appendix.sampling(record)
-    station = record.header.station.station
-    if station.site is not None:
-        heading = f", heading {station.site.heading}" if station.site.heading is not None else ""
-        yield printed_text(f"Latitude {station.site.latitude}{heading}.")
-    for name, case in record.header.spec.spec.cases.items():
-        if case.mounting is not None:
-            up, north, east = case.mounting
-            yield f"Sensitive axis in {name}: up {up:g}, north {north:g}, east {east:g}."
-    yield from statement.remarks(record)

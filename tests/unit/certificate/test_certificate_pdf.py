@@ -16,6 +16,7 @@ from gyrotest.certificate.record import record_bytes, record_sha256
 from gyrotest.errors import CertificateError, RefusedError
 from gyrotest.records.result import Verdict
 from gyrotest.records.run import RunRecord
+from gyrotest.records.station import Slot
 from tests.unit.certificate import records
 
 Pages = Callable[[str], tuple[str, ...]]
@@ -191,6 +192,11 @@ def test_overdue_and_unstated_calibrations_are_deviations() -> None:
         instruments={
             "meter": dataclasses.replace(meter, calibration=late),
             "supply": dataclasses.replace(meter, calibration=None, asset=""),
+            "neighbour": dataclasses.replace(meter, calibration=None, asset="ELSE-1"),
+        },
+        slots={
+            "1": Slot(source="meter", supply="supply"),
+            "2": Slot(source="neighbour"),
         },
     )
     header = dataclasses.replace(record.header, station=dataclasses.replace(document, station=station))
@@ -201,6 +207,7 @@ def test_overdue_and_unstated_calibrations_are_deviations() -> None:
     assert "instrument 'supply': calibration not stated" in text
     assert "overdue" in text
     assert "not stated not stated not stated" in text
+    assert "neighbour" not in text
 
 
 def test_record_and_results_are_attached_byte_for_byte(drawn: Drawn) -> None:

@@ -2,7 +2,8 @@
 
 import dataclasses
 
-from gyrotest.certificate.rows import case_tables, outcome
+from gyrotest.certificate.case_tables import case_tables
+from gyrotest.certificate.rows import outcome
 from gyrotest.records.result import Verdict
 from tests.unit.certificate import records
 

@@ -1,0 +1,223 @@
+"""Under which conditions was measured: sampling, power, table, chamber, place and directions of the axes."""
+
+from collections.abc import Callable, Iterator, Sequence
+
+from gyrotest.certificate.numbers import plain, significant
+from gyrotest.certificate.printing import printed_text
+from gyrotest.certificate.statement import remarks
+from gyrotest.records.recording import Dwell, Recording, Sampling
+from gyrotest.records.run import RunRecord
+from gyrotest.records.spec import Between, Case, OutputKind
+from gyrotest.records.station import Instrument, Motion, Slot
+
+_GAP_FREE = 0.999  # duty from which on nothing of the signal is left out
+
+
+def conditions(record: RunRecord) -> tuple[str, ...]:
+    """Everything that is to be known of how it was measured, a sentence each."""
+    return tuple(_conditions(record))
+
+
+def _conditions(record: RunRecord) -> Iterator[str]:
+    yield from _samplings(record)
+    if not record.replayed:
+        yield from _power(record)
+    yield from _table(record)
+    yield from _chamber(record)
+    site = record.header.station.station.site
+    if site is not None:
+        heading = f", heading {site.heading}" if site.heading is not None else ""
+        yield printed_text(f"Latitude {site.latitude}{heading}.")
+    yield from _directions(record)
+    yield from remarks(record)
+
+
+def _samplings(record: RunRecord) -> Iterator[str]:
+    """How the source sampled, each way once, with what dead time there was."""
+    # How long a replayed file's samples were integrated for is not known.
+    ways = [one.header.sampling for one in _recordings(record) if not one.header.source.replayed]
+    spoken = record.header.spec.spec.output.kind is not OutputKind.VOLTAGE
+    for way in dict.fromkeys(ways):
+        if spoken and way.duty >= _GAP_FREE:
+            yield _own_samples(way) + _beside(way)
+        else:
+            yield _readings(way) + _beside(way)
+
+
+def _own_samples(way: Sampling) -> str:
+    """What a digital gyro sends."""
+    several = f" of the axes {', '.join(way.channels)}" if len(way.channels) > 1 else ""
+    each = "as the unit sends it"
+    if way.readings > 1:
+        each = f"the mean of {way.readings} readings of the unit's own"
+    return f"One sample{several} every {plain(way.interval_s)} s, {each}, without gaps."
+
+
+def _readings(way: Sampling) -> str:
+    """What a meter reads."""
+    outputs = f" of {', '.join(way.channels)}" if len(way.channels) > 1 else ""
+    return (
+        f"One sample{outputs} every {plain(way.interval_s)} s is the mean of {way.readings} reading"
+        f"{'' if way.readings == 1 else 's'} of {plain(way.aperture_s * 1000, digits=4)} ms: the signal is "
+        f"integrated for {plain(100 * way.duty, digits=3)} % of the time."
+        + (
+            " White noise read through the dead time is folded; see the results' conditions."
+            * (way.duty < _GAP_FREE)
+        )
+    )
+
+
+def _beside(way: Sampling) -> str:
+    """What is recorded beside the output, and what is sampled later than it."""
+    beside = ", ".join(f"{one.name} (in {printed_text(one.unit)})" for one in way.auxiliary)
+    text = f" Recorded beside it: {beside}." if beside else ""
+    late = [
+        f"{name} {plain(offset, digits=4)} s"
+        for name, offset in zip(way.columns, way.offsets_s, strict=False)
+        if offset
+    ]
+    return f"{text} Sampled later than {way.columns[0]}: {', '.join(late)}." if late else text
+
+
+def _power(record: RunRecord) -> Iterator[str]:
+    spec, slot = record.header.spec.spec, _slot(record)
+    supply = spec.supply
+    by_supply = slot is not None and slot.supply is not None and supply is not None
+    if by_supply and supply is not None and slot is not None:
+        output = f", output {slot.supply_output}" if slot.supply_output > 1 else ""
+        yield printed_text(
+            f"Powered with {supply.voltage} by '{slot.supply}'{output}: current limit {supply.current_limit}, "
+            f"over-voltage protection {supply.over_voltage}."
+        )
+    else:
+        yield "Powered by hand: no power supply of the station was used."
+    for name, case in spec.cases.items():
+        if case.between_repeats is Between.POWER_CYCLE and case.repeats > 1:
+            how = (
+                f"off for {supply.off_time}" if by_supply and supply is not None else "by hand (manual)"
+            )
+            yield printed_text(f"Power cycles before repeats {_span(2, case.repeats)} of {name}: {how}.")
+
+
+def _table(record: RunRecord) -> Iterator[str]:
+    slot = _slot(record)
+    name = slot.table if slot else None
+    instrument = record.header.station.station.instruments.get(name) if name else None
+    turned = list(_courses(record, lambda one: one.rate_dps, lambda one: one.measured_rate_dps, "°/s"))
+    if not turned:
+        return
+    if name and instrument:
+        yield f"Rate table '{name}'{_driver(instrument)}{_motion(instrument.motion)}."
+    for case, course in turned:
+        yield f"Rates asked for in {case}: {course}."
+
+
+def _chamber(record: RunRecord) -> Iterator[str]:
+    slot = _slot(record)
+    name = slot.chamber if slot else None
+    instrument = record.header.station.station.instruments.get(name) if name else None
+    courses = _courses(
+        record, lambda one: one.temperature_degc, lambda one: one.measured_temperature_degc, "°C"
+    )
+    for number, (case, course) in enumerate(courses):
+        if name and instrument and number == 0:
+            yield f"Temperature chamber '{name}'{_driver(instrument)}."
+        yield f"Temperatures asked for in {case}: {course}."
+
+
+def _courses(
+    record: RunRecord,
+    asked: Callable[[Dwell], float | None],
+    found: Callable[[Dwell], float | None],
+    unit: str,
+) -> Iterator[tuple[str, str]]:
+    """Of each case with such a stimulus: what was asked for, and how far off it was at most."""
+    dwells: dict[str, list[Dwell]] = {}
+    for item in record.items:
+        for attempt in item.attempts:
+            held = attempt.recording.dwells if attempt.recording else ()
+            dwells.setdefault(item.plan.case, []).extend(one for one in held if asked(one) is not None)
+    for case, all_of_it in dwells.items():
+        if all_of_it:
+            levels = _levels([asked(one) for one in all_of_it])
+            yield case, f"{levels} {unit}{_off(all_of_it, asked, found, unit)}"
+
+
+def _levels(values: Sequence[float | None]) -> str:
+    levels = sorted({one for one in values if one is not None})
+    if len(levels) <= 12 or not _mirrored(levels):
+        return ", ".join(plain(one) for one in levels)
+    rest = "0, " if 0.0 in levels else ""
+    return f"{rest}{', '.join(f'±{plain(one)}' for one in levels if one > 0)}"
+
+
+def _mirrored(levels: Sequence[float]) -> bool:
+    return {-one for one in levels} == set(levels)
+
+
+def _off(
+    held: Sequence[Dwell],
+    asked: Callable[[Dwell], float | None],
+    found: Callable[[Dwell], float | None],
+    unit: str,
+) -> str:
+    pairs = [(asked(one), found(one)) for one in held]
+    errors = [abs(b - a) for a, b in pairs if a is not None and b is not None]
+    if not errors:
+        return ""
+    return f"; read back within {significant(max(errors), digits=2)} {unit} of that"
+
+
+def _motion(motion: Motion | None) -> str:
+    if motion is None:
+        return ""
+    turns = ""
+    if motion.slip_ring:
+        turns = ", with a slip ring"
+    elif motion.max_turns is not None:
+        turns = f", {plain(motion.max_turns)} turns either way"
+    return printed_text(f": at most {motion.max_rate}, {motion.max_acceleration}{turns}")
+
+
+def _directions(record: RunRecord) -> Iterator[str]:
+    """How the unit was mounted in each case, and which of its axes were judged."""
+    axes = record.header.spec.spec.output.axes
+    for name, case in record.header.spec.spec.cases.items():
+        if case.mounting is not None:
+            yield f"Sensitive axis in {name}: {_direction(case.mounting)}."
+        if case.mountings:
+            told = "; ".join(f"{axis} {_direction(way)}" for axis, way in _mounted(case))
+            yield f"Sensitive axes in {name}: {told}."
+        if case.axes and set(case.axes) != set(axes):
+            yield f"Judged in {name}: {_axes(case.axes)} of {', '.join(axes)}."
+
+
+def _mounted(case: Case) -> Iterator[tuple[str, tuple[float, float, float]]]:
+    for axis, way in case.mountings.items():
+        if not case.axes or axis in case.axes:
+            yield axis, way
+
+
+def _direction(way: tuple[float, float, float]) -> str:
+    up, north, east = way
+    return f"up {plain(up)}, north {plain(north)}, east {plain(east)}"
+
+
+def _axes(axes: Sequence[str]) -> str:
+    return f"axis {axes[0]}" if len(axes) == 1 else f"axes {', '.join(axes)}"
+
+
+def _span(first: int, last: int) -> str:
+    return str(first) if first == last else f"{first} … {last}"
+
+
+def _driver(instrument: Instrument) -> str:
+    return f" ({instrument.driver})"
+
+
+def _slot(record: RunRecord) -> Slot | None:
+    return record.header.station.station.slots.get(record.header.slot)
+
+
+def _recordings(record: RunRecord) -> list[Recording]:
+    return [one.recording for item in record.items for one in item.attempts if one.recording]
