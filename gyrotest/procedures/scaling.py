@@ -1,5 +1,6 @@
 """From what a source indicates to the gyro's output and to a rate."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,6 +54,15 @@ def _scaled(values: NDArray[np.float64], factor: float, offset: float) -> NDArra
     scaled -= offset
     scaled.setflags(write=False)
     return scaled
+
+
+def scale_factor_complaints(output: Output) -> Iterator[tuple[str, str]]:
+    """Give what a procedure that turns outputs into rates by the nominal scale factor has to complain of."""
+    if output.kind is OutputKind.COUNT and output.scale_factor is None:
+        yield (
+            "procedure",
+            "turns counts into rates and needs 'output.scale_factor' for it, e.g. '131 count/(deg/s)'",
+        )
 
 
 def output_scaling(output: Output, unit: str) -> Scaling:

@@ -131,11 +131,16 @@ def stand_in(shape: Shape) -> Any:
         return shape.choices()[0]
     if shape.quantity is not None:
         return shape.quantity.example()
-    if shape.origin is tuple and ... not in typing.get_args(shape.kind):
-        return [stand_in(shape_of(one)) for one in typing.get_args(shape.kind)]
-    if shape.origin in {typing.Union, types.UnionType}:
-        return stand_in(shape_of(typing.get_args(shape.kind)[0]))
     if shape.origin is not None:
-        return {} if shape.origin in {Mapping, dict} else []
+        return _stand_in_of_parts(shape)
     simple = {int: 1, float: 1.0, bool: False, date: "2000-01-01"}
     return simple.get(shape.kind, "x")
+
+
+def _stand_in_of_parts(shape: Shape) -> Any:
+    parts = typing.get_args(shape.kind)
+    if shape.origin in {typing.Union, types.UnionType}:
+        return stand_in(shape_of(parts[0]))
+    if shape.origin is tuple and ... not in parts:
+        return [stand_in(shape_of(one)) for one in parts]
+    return {} if shape.origin in {Mapping, dict} else []

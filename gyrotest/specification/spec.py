@@ -21,6 +21,18 @@ from gyrotest.units import Dimension, Quantity, same_dimension
 
 LONGEST_NAME = 64
 
+# What an output of a kind is, and its scale factor. Counts may come without one: what needs it asks for it.
+_OUTPUTS = {
+    OutputKind.VOLTAGE: Dimension.VOLTAGE,
+    OutputKind.RATE: Dimension.RATE,
+    OutputKind.COUNT: Dimension.COUNT,
+}
+_SCALE_FACTORS = {
+    OutputKind.VOLTAGE: Dimension.SCALE_FACTOR_VOLTAGE,
+    OutputKind.RATE: Dimension.NUMBER,
+    OutputKind.COUNT: Dimension.SCALE_FACTOR_COUNT,
+}
+
 # What a datasheet may state, beside anything that a case can measure.
 DATASHEET: Mapping[str, Dimension] = {
     "bias": Dimension.RATE,
@@ -108,14 +120,14 @@ def _output_complaints(output: Output) -> Iterator[Complaint]:
         )
         yield Complaint(("output", "scale_factor"), message, because)
     if scale is not None:
-        wanted = Dimension.SCALE_FACTOR_VOLTAGE if voltage else Dimension.NUMBER
+        wanted = _SCALE_FACTORS[output.kind]
         yield from _of_kind(scale, wanted, output.kind, "scale_factor")
         if scale.value == 0:
             yield Complaint(
                 ("output", "scale_factor"), "is zero; the output would say nothing of the rate"
             )
     if zero is not None:
-        wanted = Dimension.VOLTAGE if voltage else Dimension.RATE
+        wanted = _OUTPUTS[output.kind]
         yield from _of_kind(zero, wanted, output.kind, "zero_rate")
     yield from _sign_complaints(output)
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from typing import Any
 
+from gyrotest.procedures.scaling import scale_factor_complaints
 from gyrotest.procedures.static.bias import bias_result
 from gyrotest.procedures.static.bias_over_repeats import bias_over_repeats
 from gyrotest.procedures.static.figures import static_figures
@@ -38,8 +39,8 @@ class Static:
         self, case: Case, parameters: StaticParameters, output: Output
     ) -> Iterable[tuple[str, str]]:
         """Give what is wrong with a case beyond its types."""
-        del output  # checked with the spec: a static test asks nothing more of it
-        return static_complaints(case, parameters)
+        yield from scale_factor_complaints(output)
+        yield from static_complaints(case, parameters)
 
     def plan(self, case: Case, parameters: StaticParameters) -> Plan:
         """Return the acquisition of one repeat."""

@@ -88,7 +88,11 @@ def test_parameters_that_do_not_fit_are_refused() -> None:
         ),
         ("model: MEMS50", "model:", "1: model: has no value"),
         ("model:", "modle: x\nmodel:", "1: modle: unknown key; did you mean 'model'?"),
-        ("kind: voltage", "kind: volts", "'volts' is not one of voltage, rate, count; did you mean 'voltage'?"),
+        (
+            "kind: voltage",
+            "kind: volts",
+            "'volts' is not one of voltage, rate, count; did you mean 'voltage'?",
+        ),
         (
             "kind: voltage",
             "kind: rate",
@@ -270,4 +274,28 @@ def test_an_unknown_procedure_names_the_installed_ones(tmp_path: Path) -> None:
     path = tmp_path / "a.yaml"
     path.write_text(edited(("procedure: static", "procedure: statik")), encoding="utf-8")
     with pytest.raises(SpecError, match=r"'statik' is not among the .* that are installed \(.*static"):
+        load_spec(path)
+
+
+COUNTS = (("kind: voltage", "kind: count"), ("zero_rate: 2.5 V", "zero_rate: 12 count"))
+
+
+def test_counts_have_a_scale_factor_and_a_zero_in_counts(spec: Read, spec_faults: Faults) -> None:
+    good = edited(*COUNTS, ("50 mV/(deg/s)", "131 count/(deg/s)"))
+    assert spec(good).spec.output.zero_rate == Quantity(12.0, "count")
+    (volts,) = spec_faults(edited(*COUNTS))
+    assert "'50 mV/(deg/s)' is not a scale factor in counts per angular rate, as 'kind: count'" in volts
+    (zero,) = spec_faults(edited(COUNTS[0], ("50 mV/(deg/s)", "131 count/(deg/s)")))
+    assert "output.zero_rate: '2.5 V' is not a number of counts, as 'kind: count' needs" in zero
+
+
+def test_counts_may_come_without_a_scale_factor_where_no_case_needs_it(spec: Read) -> None:
+    without = edited(*COUNTS, ("  scale_factor: 50 mV/(deg/s)\n", ""))
+    assert spec(without).spec.output.scale_factor is None
+
+
+def test_a_static_case_needs_the_scale_factor_of_counts(tmp_path: Path) -> None:
+    path = tmp_path / "s.yaml"
+    path.write_text(edited(*COUNTS, ("  scale_factor: 50 mV/(deg/s)\n", "")), encoding="utf-8")
+    with pytest.raises(SpecError, match=r"cases.rest.procedure: turns counts into rates and needs"):
         load_spec(path)
