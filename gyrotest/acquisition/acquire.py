@@ -120,8 +120,7 @@ class Acquisition:
         self._next = block.first + len(block.flags)
         if self._base or self._offset_s:
             block = replace(block, first=self._base + block.first, time_s=block.time_s + self._offset_s)
-        tracks.push(block)
-        self.progress.push(block)
+        self.progress.push(tracks.push(block))
         self._refuse_loss()
 
     def _count_missing(self, first: int) -> None:

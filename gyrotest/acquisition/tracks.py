@@ -32,10 +32,12 @@ class Tracks:
             self.close(complete=False)
             raise
 
-    def push(self, block: Block) -> None:
-        """Record a block; raises `RecordingError`."""
-        for track, writer in zip(self._tracks, self._writers, strict=True):
-            writer.push(_share(block, track.columns))
+    def push(self, block: Block) -> Block:
+        """Record a block, and return the first unit's share of it; raises `RecordingError`."""
+        shares = [_share(block, track.columns) for track in self._tracks]
+        for share, writer in zip(shares, self._writers, strict=True):
+            writer.push(share)
+        return shares[0]
 
     def new_segment(self, gap: Gap) -> None:
         """Go on after a gap; raises `RecordingError`."""

@@ -70,7 +70,7 @@ class LineProgress:
         dps_per_unit = self._reading.dps_per(coming.sampling.unit)
         paced = self._real_time or not (coming.source.simulated or coming.source.replayed)
         lasts_s = coming.samples * coming.sampling.interval_s
-        if dps_per_unit is None or not paced or lasts_s < LINE_EVERY_S:
+        if dps_per_unit is None or not paced or lasts_s < LINE_EVERY_S or coming.steps > 1:
             return None
         from gyrotest.plugin.running_allan import RunningAllan
 

@@ -45,7 +45,8 @@ class LiveProgress:
         """Load and compile what is drawn, and say so: the first time on a machine it takes long."""
         self._stream.write("\n")
         self._on_free_line = True
-        self._allan = self._running_allan(coming.sampling)
+        # Of steps at different rates an Allan deviation says nothing.
+        self._allan = self._running_allan(coming.sampling) if coming.steps == 1 else None
 
     def begin(self, header: RecordingHeader) -> None:
         """An acquisition begins."""

@@ -77,7 +77,7 @@ class RunningAllan:
         if block.first != self._next:
             self._begin_anew(block.first, _GAP)
         self._next = block.first + len(block.flags)
-        values = block.values
+        values = block.values[:, : len(self._sampling.channels)]
         if block.flags.any() or not np.isfinite(values).all():
             bad = (block.flags != 0) | ~np.isfinite(values).all(axis=1)
             good_from = int(np.flatnonzero(bad)[-1]) + 1

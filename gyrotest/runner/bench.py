@@ -104,7 +104,7 @@ class Bench:
         power = self._power(slot)
         if power is not None and not power.is_on:
             self._events.append(power.switch_on())
-            self.power_was_cycled(slot)
+            self._powered_on_s[slot] = power.switched_on_s or self.clock.now_s()
 
     def power_off(self, slot: str) -> None:
         """Switch a slot's supply off, where it is on; raises `InstrumentError`."""
@@ -118,7 +118,7 @@ class Bench:
         if power is None:
             return False
         self._events.append(power.cycle())
-        self.power_was_cycled(slot)
+        self._powered_on_s[slot] = power.switched_on_s or self.clock.now_s()
         # A digital gyro is another conversation after its start.
         for opened in tuple(self._sources.values()):
             if opened.use.name == self.station.slots[slot].source and isinstance(

@@ -60,7 +60,7 @@ def check_order(order: Order) -> None:
     calibration_deviations(order.station.station, datetime.now(UTC).date())
     ensure_renderer()
     samples = sum(
-        planned_case(name, case).plan.samples * case.repeats
+        planned_case(name, order.spec.spec).plan.samples * case.repeats
         for name, case in order.spec.spec.cases.items()
     )
     _check_out(order.out)

@@ -20,7 +20,7 @@ def check_fitness(spec: Spec, station: Station) -> None:
         )
     faults = [
         f"{case}: {fault}"
-        for case, plan in ((name, planned_case(name, one).plan) for name, one in spec.cases.items())
+        for case, plan in ((name, planned_case(name, spec).plan) for name in spec.cases)
         for fault in dict.fromkeys(
             text for slot in slots for text in _plan_faults(plan, station, slot, station.slots[slot])
         )

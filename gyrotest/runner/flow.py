@@ -61,7 +61,7 @@ class UnitRun:
 
     def planned_case(self, item: PlannedItem) -> PlannedCase:
         """The case of an item."""
-        return planned_case(item.case, self.header.spec.spec.cases[item.case])
+        return planned_case(item.case, self.header.spec.spec)
 
     def acquire(self, item: PlannedItem) -> Acquired:
         """Acquire and reduce an item, unless it stands acquired already.

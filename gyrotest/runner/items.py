@@ -28,8 +28,9 @@ class PlannedCase:
         return tuple(one for one in self.measurands if one.over == over)
 
 
-def planned_case(name: str, case: Case) -> PlannedCase:
-    """Resolve a case's procedure."""
+def planned_case(name: str, spec: Spec) -> PlannedCase:
+    """Resolve the procedure of a spec's case."""
+    case = spec.cases[name]
     procedure: Procedure = load(PROCEDURES, case.procedure)()
     parameters = case_parameters(case, procedure)
     return PlannedCase(
@@ -38,7 +39,7 @@ def planned_case(name: str, case: Case) -> PlannedCase:
         procedure=procedure,
         parameters=parameters,
         plan=procedure.plan(case, parameters),
-        measurands=tuple(procedure.measurands(case, parameters)),
+        measurands=tuple(procedure.measurands(case, parameters, spec.output)),
     )
 
 
@@ -46,8 +47,8 @@ def planned_items(spec: Spec, serial_number: str) -> tuple[PlannedItem, ...]:
     """Every item that a run of the spec owes for a serial number, in order."""
     return tuple(
         PlannedItem(name=f"{name}-{serial_number}-{suffix}", case=name, repeat=repeat)
-        for name, case in spec.cases.items()
-        for repeat, suffix in _suffixes(planned_case(name, case))
+        for name in spec.cases
+        for repeat, suffix in _suffixes(planned_case(name, spec))
     )
 
 
@@ -74,7 +75,7 @@ def moment(spec: Spec, wanted: PlannedItem) -> Moment:
     """The planned start of an acquisition in a full run of the spec."""
     power_cycle, elapsed_s, acquired_s = 1, 0.0, 0.0
     for name, case in spec.cases.items():
-        plan = planned_case(name, case).plan
+        plan = planned_case(name, spec).plan
         for repeat in range(1, case.repeats + 1):
             if case.between_repeats is Between.POWER_CYCLE and repeat > 1:
                 power_cycle, elapsed_s = power_cycle + 1, 0.0

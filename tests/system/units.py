@@ -49,7 +49,7 @@ def run_units(
 def _run_unit(order: Order, serial_number: str, scenario: str) -> RunRecord:
     folder, header = open_run(order, serial_number, next(iter(order.station.station.slots)))
     choice = SimulationChoice(scenario=scenario)
-    bench = Bench(order.station.station, order.spec.spec.output, choice)
+    bench = Bench(order.station.station, order.spec.spec, choice)
     run = UnitRun(folder=folder, header=header, bench=lambda: bench, progress=Silence(), confirm=_nobody)
     with closing(bench):
         for item in header.plan:

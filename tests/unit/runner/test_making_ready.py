@@ -48,7 +48,7 @@ def test_progress_is_made_ready_during_the_warm_up(
         out=tmp_path / "reports",
     )
     folder, header = open_run(order, "1234", next(iter(order.station.station.slots)))
-    with closing(Bench(order.station.station, order.spec.spec.output, SimulationChoice())) as bench:
+    with closing(Bench(order.station.station, order.spec.spec, SimulationChoice())) as bench:
         on_utc = bench.clock.utc()
         slow = Slow(bench, takes_s)
         run = UnitRun(folder=folder, header=header, bench=lambda: bench, progress=slow, confirm=print)
