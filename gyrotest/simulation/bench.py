@@ -11,12 +11,13 @@ from gyrotest.records.spec import Spec
 from gyrotest.records.station import Simulation, Station
 from gyrotest.simulation.clock import VirtualClock
 from gyrotest.simulation.figures import fault
+from gyrotest.simulation.gyro_settings import gyro_parameters, unfit
 from gyrotest.simulation.occasion import Occasion
 from gyrotest.simulation.peer import Making, Peer, Reading
 from gyrotest.simulation.peers import is_simulated, make_peer
 from gyrotest.simulation.places import fitting_slots
 from gyrotest.simulation.scenarios import SCENARIOS, Scenario
-from gyrotest.simulation.settings import gyro_parameters, unknown_instruments
+from gyrotest.simulation.settings import unknown_instruments
 from gyrotest.simulation.wires import Wires, check_way
 from gyrotest.simulation.workplace import Workplace
 
@@ -39,6 +40,7 @@ class SimulatedBench:
     ) -> None:
         simulation = station.simulation or Simulation()
         self._station = station
+        self._spec = spec
         self._scenario = find_scenario(scenario or simulation.scenario)
         self._seed = simulation.seed if seed is None else seed
         self._live = real_time
@@ -57,7 +59,15 @@ class SimulatedBench:
         resource = self._station.instruments[source].resource
         if is_simulated(resource):
             check_way(source, resource)
-            self._peer(source)
+            if self._gyro.voltage != isinstance(self._peer(source), Reading):
+                raise StationError([fault("simulation", self._unfit(source))])
+
+    def _unfit(self, source: str) -> str:
+        if self._gyro.voltage:
+            return (
+                f"the spec's output.kind is 'voltage', and '{source}' reads none: name another station"
+            )
+        return unfit(self._spec.output)
 
     def simulates(self, name: str) -> bool:
         """Whether an instrument of the station is simulated."""
@@ -140,14 +150,16 @@ class SimulatedBench:
         for name in self._around(slot):
             if name in self._peers:
                 self._peers[name].begin(occasion)
-        if isinstance(source, Reading):
-            self._workplace(slot).begin(occasion, source)
+        self._workplace(slot).begin(occasion, source)
 
     def _workplace(self, slot: str) -> Workplace:
         if slot not in self._workplaces:
             self._workplaces[slot] = Workplace(
-                self._station.slots[slot].channel or "",
+                self._station,
+                self._station.slots[slot],
                 self._gyro,
+                peers=self._peers,
+                powered=self._spec.supply is not None,
                 seed=self._seed,
                 scenario=self._scenario,
                 clock=self.clock,

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.simulation.faults import Faults
-from gyrotest.simulation.gyro import Signal
+from gyrotest.simulation.signal import Signal
 from gyrotest.simulation.streams import Normals
 
 OVERLOAD_V = 9.9e37

@@ -1,92 +1,71 @@
-"""The simulated gyro: an output voltage for any averaging interval."""
-
-import math
-from dataclasses import dataclass
-from typing import Protocol
+"""Voltages on the simulated bench: a mean for any averaging interval."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrotest.simulation.noise import NoiseDensities, RateNoise
-
-
-class Signal(Protocol):
-    """What a meter reads: the mean voltage over apertures, asked for in the order of time."""
-
-    def mean_voltage(self, start_s: float, aperture_s: float) -> float:
-        """The mean over one aperture, V."""
-
-    def mean_voltages(
-        self, start_s: float, aperture_s: float, spacing_s: float, count: int
-    ) -> NDArray[np.float64]:
-        """The means over `count` apertures that begin every `spacing_s`, (count,), V."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class GyroParameters:
-    """A gyro model's true figures; what varies from unit to unit is a spread here.
-
-    `turn_on_bias_dps` is a standard deviation over power cycles, `scale_factor_error` the
-    half-width of a rectangular distribution over units.
-    """
-
-    scale_factor_v_per_dps: float
-    zero_rate_v: float
-    noise: NoiseDensities
-    turn_on_bias_dps: float
-    scale_factor_error: float
-    warm_up_drift_dps: float
-    warm_up_time_constant_s: float
-    input_rate_dps: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Unit:
-    """One gyro after one power-on: its parameters with the dice thrown."""
-
-    parameters: GyroParameters
-    scale_factor_v_per_dps: float
-    turn_on_bias_dps: float
-    power_on_s: float
-
-    def drift_dps(self, start_s: float, duration_s: float) -> float:
-        """Mean of the warm-up drift `amplitude · e^(−t/τ)` over an interval, deg/s."""
-        tau_s = self.parameters.warm_up_time_constant_s
-        since = (start_s - self.power_on_s) / tau_s
-        share = -math.expm1(-duration_s / tau_s) * tau_s / duration_s
-        return self.parameters.warm_up_drift_dps * math.exp(-since) * share
-
-    def drifts_dps(self, starts_s: NDArray[np.float64], duration_s: float) -> NDArray[np.float64]:
-        """`drift_dps` for many intervals of one duration, (n,)."""
-        tau_s = self.parameters.warm_up_time_constant_s
-        share = -math.expm1(-duration_s / tau_s) * tau_s / duration_s
-        amplitude = self.parameters.warm_up_drift_dps * share
-        return np.asarray(amplitude * np.exp((self.power_on_s - starts_s) / tau_s))
+from gyrotest.simulation.element import Element
+from gyrotest.simulation.housed import Housed
+from gyrotest.simulation.noise import RateNoise
+from gyrotest.simulation.signal import Signal
+from gyrotest.simulation.surroundings import Surroundings
 
 
 class GyroOutput:
-    """A unit at rest (or at a constant input rate), as a signal: `U = SF·(ω + B + noise) + U_z`."""
+    """One axis's output voltage. It is 0 V while the unit has no power."""
 
-    def __init__(self, unit: Unit, noise: RateNoise) -> None:
-        self._unit = unit
+    def __init__(self, housed: Housed, element: Element, noise: RateNoise) -> None:
+        self._housed = housed
+        self._element = element
         self._noise = noise
-        self._constant_dps = unit.turn_on_bias_dps + unit.parameters.input_rate_dps
 
     def mean_voltage(self, start_s: float, aperture_s: float) -> float:
         """The mean output over one aperture, V."""
-        rate = self._noise.mean(start_s, aperture_s) + self._unit.drift_dps(start_s, aperture_s)
-        unit = self._unit
-        return unit.scale_factor_v_per_dps * (self._constant_dps + rate) + unit.parameters.zero_rate_v
+        housed, element = self._housed, self._element
+        if not housed.surroundings.quiet:
+            return float(self.mean_voltages(start_s, aperture_s, aperture_s, 1)[0])
+        rate = self._noise.mean(start_s, aperture_s)
+        rate += element.still_rate_dps(housed.planned, start_s, aperture_s)
+        limit = element.saturation_dps
+        return element.scale_factor * min(max(rate, -limit), limit) + element.zero_rate
 
     def mean_voltages(
         self, start_s: float, aperture_s: float, spacing_s: float, count: int
     ) -> NDArray[np.float64]:
         """Mean outputs over `count` apertures that begin every `spacing_s`, (count,), V."""
-        rate = self._noise.means(start_s, aperture_s, spacing_s, count)
+        housed, element = self._housed, self._element
         starts_s = start_s + spacing_s * np.arange(count, dtype=np.float64)
-        rate += self._unit.drifts_dps(starts_s, aperture_s)
-        unit = self._unit
-        return unit.scale_factor_v_per_dps * (self._constant_dps + rate) + unit.parameters.zero_rate_v
+        rates = self._noise.means(start_s, aperture_s, spacing_s, count)
+        if housed.surroundings.quiet:
+            rates += element.still_rates_dps(housed.planned, starts_s, aperture_s)
+            return element.scale_factor * element.clipped(rates) + element.zero_rate
+        power_on = housed.power_on
+        if power_on is None:
+            return np.zeros(count)
+        acting = housed.surroundings.acting(starts_s, aperture_s)
+        rates += element.rates_dps(power_on, starts_s, acting)
+        return element.scale_factors(acting) * element.clipped(rates) + element.zero_rate
+
+
+class TemperatureOutput:
+    """A temperature sensor beside the unit: 10 mV/°C."""
+
+    def __init__(self, surroundings: Surroundings) -> None:
+        self._surroundings = surroundings
+
+    def mean_voltage(self, start_s: float, aperture_s: float) -> float:
+        """The voltage, V."""
+        return float(self.mean_voltages(start_s, aperture_s, aperture_s, 1)[0])
+
+    def mean_voltages(
+        self,
+        start_s: float,
+        aperture_s: float,  # noqa: ARG002 - slow
+        spacing_s: float,
+        count: int,
+    ) -> NDArray[np.float64]:
+        """The voltages, (count,), V."""
+        starts_s = start_s + spacing_s * np.arange(count, dtype=np.float64)
+        return 0.01 * self._surroundings.temperatures_degc(starts_s)
 
 
 class SteadyOutput:

@@ -9,13 +9,14 @@ from gyrotest.simulation.converter import Converter, MeterErrors
 from gyrotest.simulation.dialogue import Dialogue, LineDialogue, Speaker
 from gyrotest.simulation.faults import Faults
 from gyrotest.simulation.figures import fault
-from gyrotest.simulation.gyro import Signal, SteadyOutput
+from gyrotest.simulation.gyro import SteadyOutput
 from gyrotest.simulation.meter import Meter
 from gyrotest.simulation.meter_state import Interface
 from gyrotest.simulation.occasion import Occasion
 from gyrotest.simulation.peer import Making
 from gyrotest.simulation.personalities import MODELS, command_table
 from gyrotest.simulation.settings import line_frequency_hz, meter_parameters
+from gyrotest.simulation.signal import Signal
 from gyrotest.simulation.streams import Normals, generator
 
 

@@ -12,10 +12,10 @@ from gyrotest.ports import Clock
 from gyrotest.records.station import Instrument, Station
 from gyrotest.simulation.dialogue import Dialogue, Speaker
 from gyrotest.simulation.faults import Faults
-from gyrotest.simulation.gyro import Signal
 from gyrotest.simulation.meter_state import Interface
 from gyrotest.simulation.occasion import Occasion
 from gyrotest.simulation.scenarios import Scenario
+from gyrotest.simulation.signal import Signal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

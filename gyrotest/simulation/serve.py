@@ -13,12 +13,12 @@ from gyrotest.records.station import Instrument, Simulation, Slot, Station
 from gyrotest.simulation.bench import find_scenario
 from gyrotest.simulation.clock import VirtualClock
 from gyrotest.simulation.dialogue import Dialogue
+from gyrotest.simulation.gyro_settings import gyro_parameters
 from gyrotest.simulation.meter_peer import MeterPeer
 from gyrotest.simulation.meter_state import Interface
 from gyrotest.simulation.occasion import Occasion
 from gyrotest.simulation.peer import Making
 from gyrotest.simulation.server import PtyServer, Server, TcpServer, has_pty
-from gyrotest.simulation.settings import gyro_parameters
 from gyrotest.simulation.workplace import Workplace
 from gyrotest.units import Quantity
 
@@ -81,7 +81,16 @@ class StandaloneMeter:
             )
         )
         gyro = gyro_parameters(Simulation(), _SPEC, chosen.factors)
-        workplace = Workplace("", gyro, seed=seed, scenario=chosen, clock=clock)
+        workplace = Workplace(
+            station,
+            station.slots["a"],
+            gyro,
+            peers={},
+            powered=False,
+            seed=seed,
+            scenario=chosen,
+            clock=clock,
+        )
         workplace.begin(
             Occasion(
                 serial_number=serial_number,

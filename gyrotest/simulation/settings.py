@@ -1,30 +1,15 @@
-"""The station's `simulation` mappings, checked into records; every complaint names its key."""
+"""The station's `simulation.instruments`, checked into records; every complaint names its key."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from gyrotest.errors import Fault, StationError
-from gyrotest.records.spec import Output, OutputKind, Spec
-from gyrotest.records.station import Instrument, Simulation, Station
+from gyrotest.records.station import Instrument, Station
 from gyrotest.simulation.figures import Figure, fault, figures_of, nearest
-from gyrotest.simulation.gyro import GyroParameters
-from gyrotest.simulation.noise import NoiseDensities
 from gyrotest.simulation.personalities import MODELS
 from gyrotest.units import Dimension
 
-_GYRO = {
-    "angle_random_walk": Figure(Dimension.ANGLE_RANDOM_WALK, "0.5 deg/sqrt(h)"),
-    "bias_instability_coefficient": Figure(Dimension.RATE, "8 deg/h"),
-    "rate_random_walk": Figure(Dimension.RATE_RANDOM_WALK, "3 deg/h/sqrt(h)"),
-    "turn_on_bias": Figure(Dimension.RATE, "0.15 deg/s"),
-    "scale_factor_error": Figure(Dimension.NUMBER, "0.5 %"),
-    "warm_up_drift": Figure(Dimension.RATE, "0.05 deg/s", signed=True),
-    "warm_up_time_constant": Figure(Dimension.TIME, "4 min", positive=True),
-    "bandwidth": Figure(Dimension.FREQUENCY, "50 Hz", positive=True),
-    "input_rate": Figure(Dimension.RATE, "0 deg/s", signed=True),
-}
 _LINE_FREQUENCY_HZ = 50.0
+_UP = (1.0, 0.0, 0.0)
 _METER = {
     "noise": Figure(Dimension.VOLTAGE, "3e-6 V"),
     "gain_error": Figure(Dimension.NUMBER, "0.0035 %"),
@@ -40,60 +25,6 @@ class MeterParameters:
     gain_error: float
     offset_error_of_range: float
     noise_v: float
-
-
-def gyro_parameters(
-    simulation: Simulation, spec: Spec, factors: Mapping[str, float] | None = None
-) -> GyroParameters:
-    """The gyro's true figures from the station's `simulation`, the spec and a scenario's factors.
-
-    Raises `StationError` with all complaints at once.
-    """
-    given, output = simulation.gyro, spec.output
-    if output.bandwidth is not None:
-        given = {"bandwidth": str(output.bandwidth), **given}
-    figures = figures_of(given, _GYRO, "simulation.gyro")
-    values, faults = figures.values, figures.faults
-    scale_factor = output.scale_factor
-    if output.kind is not OutputKind.VOLTAGE or scale_factor is None:
-        faults.append(fault("simulation", _unfit(output)))
-    if faults or scale_factor is None:
-        raise StationError(faults)
-    for name, factor in (factors or {}).items():
-        values[name] *= factor
-    return GyroParameters(
-        scale_factor_v_per_dps=scale_factor.to(Dimension.SCALE_FACTOR_VOLTAGE),
-        zero_rate_v=output.zero_rate.to(Dimension.VOLTAGE) if output.zero_rate else 0.0,
-        noise=NoiseDensities(
-            angle_random_walk_dps_sqrt_s=values["angle_random_walk"],
-            bias_instability_dps=values["bias_instability_coefficient"],
-            rate_random_walk_dps_per_sqrt_s=values["rate_random_walk"],
-            bandwidth_hz=values["bandwidth"],
-        ),
-        turn_on_bias_dps=values["turn_on_bias"],
-        scale_factor_error=values["scale_factor_error"],
-        warm_up_drift_dps=values["warm_up_drift"],
-        warm_up_time_constant_s=values["warm_up_time_constant"],
-        input_rate_dps=values["input_rate"],
-    )
-
-
-def _unfit(output: Output) -> str:
-    needs = "the simulated bench has a gyro with a voltage output and a scale factor"
-    if output.kind is OutputKind.VOLTAGE:
-        return f"{needs}; the spec has no 'output.scale_factor'"
-    return (
-        f"{needs}, the spec's output.kind is '{output.kind.value}'; name another station by --gyro-station:"
-        " one with this gyro's driver, or one that replays a recorded file (specs/stations/replay.yaml shows how)"
-    )
-
-
-def gyro_figures(given: Mapping[str, Any]) -> dict[str, float]:
-    """The gyro's true figures in canonical units; raises `StationError` with all complaints at once."""
-    figures = figures_of(given, _GYRO, "simulation.gyro")
-    if figures.faults:
-        raise StationError(figures.faults)
-    return figures.values
 
 
 def meter_parameters(station: Station, name: str) -> MeterParameters:
@@ -151,3 +82,19 @@ def _model_of(driver: str) -> str | None:
 def line_frequency_hz(station: Station) -> float:
     """The station's line frequency, Hz; 50 where it states none."""
     return station.line_frequency.to("Hz") if station.line_frequency else _LINE_FREQUENCY_HZ
+
+
+def table_axis(station: Station, table: str | None) -> tuple[float, float, float]:
+    """The direction (up, north, east) of a table's axis: up where nothing else is said."""
+    given = station.simulation.instruments.get(table, {}) if table and station.simulation else {}
+    if "axis" not in given:
+        return _UP
+    axis = given["axis"]
+    try:
+        up, north, east = (float(one) for one in axis)
+    except (TypeError, ValueError):
+        up = north = east = 0.0
+    if up == north == east == 0.0:
+        message = f"'{axis}' is no direction; write [up, north, east], e.g. [0, 1, 0]"
+        raise StationError([fault(f"simulation.instruments.{table}.axis", message)])
+    return up, north, east

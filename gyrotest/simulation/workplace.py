@@ -1,85 +1,110 @@
-"""A slot of the simulated bench: the unit in it, and what stands on its wires."""
+"""A slot of the simulated bench: which unit is in it, and what goes to the instrument that reads it."""
+
+from collections.abc import Mapping
 
 from gyrotest.ports import Clock
+from gyrotest.records.station import Slot, Station
 from gyrotest.simulation.faults import Faults
-from gyrotest.simulation.gyro import GyroOutput, GyroParameters, RailedOutput, Signal, SteadyOutput, Unit
+from gyrotest.simulation.gyro import GyroOutput, RailedOutput, SteadyOutput, TemperatureOutput
+from gyrotest.simulation.housed import Housed
 from gyrotest.simulation.noise import RateNoise
 from gyrotest.simulation.occasion import Occasion
-from gyrotest.simulation.peer import Reading
+from gyrotest.simulation.peer import Peer, Reading
 from gyrotest.simulation.scenarios import Misbehaviour, Scenario
+from gyrotest.simulation.settings import table_axis
+from gyrotest.simulation.signal import Signal
+from gyrotest.simulation.streaming import Streaming
 from gyrotest.simulation.streams import Normals, generator
+from gyrotest.simulation.surroundings import Surroundings, carriages
+from gyrotest.simulation.unit import GyroParameters
 
 _RAIL_V = 15.0
 
 
 class Workplace:
-    """A slot, and the unit in it."""
+    """A slot, and the unit in it. `peers` are the bench's instruments that are in use."""
 
     def __init__(
-        self, channel: str, gyro: GyroParameters, *, seed: int, scenario: Scenario, clock: Clock
+        self,
+        station: Station,
+        slot: Slot,
+        gyro: GyroParameters,
+        *,
+        peers: Mapping[str, Peer],
+        powered: bool,
+        seed: int,
+        scenario: Scenario,
+        clock: Clock,
     ) -> None:
-        self._channel = channel
+        self._station = station
+        self._slot = slot
         self._gyro = gyro
+        self._surroundings = Surroundings(slot, peers, powered=powered)
         self._seed = seed
         self._scenario = scenario
         self._clock = clock
-        self._unit: Unit | None = None
-        self.occasion: Occasion | None = None
+        self._housed: Housed | None = None
 
-    def begin(self, occasion: Occasion, source: Reading) -> None:
-        """Put a unit on the source's input and restart the random streams for its next record."""
+    @property
+    def occasion(self) -> Occasion | None:
+        """The record begun last."""
+        return self._housed.occasion if self._housed else None
+
+    def begin(self, occasion: Occasion, source: Peer) -> None:
+        """Put a unit into the slot and restart the random streams for its next record."""
         now_s = self._clock.now_s()
-        unit = self._draw_unit(occasion, now_s)
+        housed = self._housed = Housed(
+            self._gyro,
+            carriages(
+                self._gyro.axes,
+                occasion.mountings,
+                table_axis=table_axis(self._station, self._slot.table),
+                site=self._station.site,
+            ),
+            self._surroundings,
+            occasion,
+            seed=self._seed,
+            inverted=self._scenario.inverted,
+            now_s=now_s,
+        )
+        if isinstance(source, Reading):
+            strikes = self._scenario.strikes if occasion.duration_s > 0.0 else ()
+            faults = Faults(strikes, start_s=now_s, duration_s=occasion.duration_s)
+            source.connect(occasion, self._signals(housed), faults)
+        elif isinstance(source, Streaming):
+            source.house(housed)
+
+    def _signals(self, housed: Housed) -> dict[str, Signal]:
+        """The voltages by the instrument's channel."""
+        channels = self._slot.channels
+        outputs = {
+            channels.get(element.axis.name, self._slot.channel or ""): self._signal(housed, index)
+            for index, element in enumerate(housed.elements)
+        }
+        beside = {
+            channel: TemperatureOutput(self._surroundings) for channel in self._slot.auxiliary.values()
+        }
+        return {**outputs, **beside}
+
+    def _signal(self, housed: Housed, index: int) -> Signal:
+        if self._scenario.dead_output:
+            return SteadyOutput(self._gyro.zero_rate)
+        element, occasion, begun_s = housed.elements[index], housed.occasion, housed.begun_s
+        names = (*occasion.stream, element.axis.name) if element.axis.name else occasion.stream
         noise = RateNoise(
             self._gyro.noise,
-            Normals(generator(self._seed, "gyro noise", *occasion.stream)),
+            Normals(generator(self._seed, "gyro noise", *names)),
             since_power_on_s=occasion.elapsed_s,
-            start_s=now_s,
+            start_s=begun_s,
         )
-        strikes = self._scenario.strikes if occasion.duration_s > 0.0 else ()
-        faults = Faults(strikes, start_s=now_s, duration_s=occasion.duration_s)
-        self._unit, self.occasion = unit, occasion
-        signal = self._signal(unit, noise, now_s, occasion.duration_s)
-        source.connect(occasion, {self._channel: signal}, faults)
-
-    def _draw_unit(self, occasion: Occasion, now_s: float) -> Unit:
-        gyro, serial = self._gyro, occasion.serial_number
-        spread = generator(self._seed, "scale factor", serial).uniform(-1.0, 1.0)
-        turn_on = generator(self._seed, "turn-on bias", serial, occasion.power_cycle).standard_normal()
-        factor = gyro.scale_factor_v_per_dps * (1.0 + gyro.scale_factor_error * spread)
-        return Unit(
-            parameters=gyro,
-            scale_factor_v_per_dps=-factor if self._scenario.inverted else factor,
-            turn_on_bias_dps=gyro.turn_on_bias_dps * turn_on,
-            power_on_s=now_s - occasion.elapsed_s,
-        )
-
-    def _signal(self, unit: Unit, noise: RateNoise, now_s: float, duration_s: float) -> Signal:
-        if self._scenario.dead_output:
-            return SteadyOutput(self._gyro.zero_rate_v)
-        signal: Signal = GyroOutput(unit, noise)
-        for strike in self._scenario.strikes:
+        signal: Signal = GyroOutput(housed, element, noise)
+        for strike in self._scenario.strikes if occasion.duration_s > 0.0 else ():
             if strike.misbehaviour is Misbehaviour.RAIL:
-                from_s, to_s = now_s + strike.at * duration_s, now_s + strike.until * duration_s
+                from_s = begun_s + strike.at * occasion.duration_s
+                to_s = begun_s + strike.until * occasion.duration_s
                 signal = RailedOutput(signal, from_s=from_s, to_s=to_s, rail_v=_RAIL_V)
         return signal
 
     def truth(self, duration_s: float) -> dict[str, float]:
         """The true figures of the unit for the record begun last; empty before the first."""
-        unit, occasion = self._unit, self.occasion
-        if unit is None or occasion is None:
-            return {}
-        drift = unit.drift_dps(unit.power_on_s + occasion.elapsed_s, duration_s)
-        noise = self._gyro.noise
-        return {
-            "turn_on_bias_dps": unit.turn_on_bias_dps,
-            "mean_drift_dps": drift,
-            "bias_dps": unit.turn_on_bias_dps + drift,
-            "input_rate_dps": self._gyro.input_rate_dps,
-            "angle_random_walk_dps_sqrt_s": noise.angle_random_walk_dps_sqrt_s,
-            "bias_instability_coefficient_dps": noise.bias_instability_dps,
-            "rate_random_walk_dps_per_sqrt_s": noise.rate_random_walk_dps_per_sqrt_s,
-            "bandwidth_hz": noise.bandwidth_hz,
-            "scale_factor_v_per_dps": unit.scale_factor_v_per_dps,
-            "zero_rate_v": self._gyro.zero_rate_v,
-        }
+        return self._housed.truth(duration_s) if self._housed else {}

@@ -1,0 +1,13 @@
+"""Simulated instruments that send by themselves."""
+
+from typing import Protocol, runtime_checkable
+
+from gyrotest.simulation.housed import Housed
+
+
+@runtime_checkable
+class Streaming(Protocol):
+    """A peer that is itself the unit under test, and sends its samples as they come."""
+
+    def house(self, housed: Housed) -> None:
+        """Be this unit from now on, for its next record."""
