@@ -169,8 +169,8 @@ class Procedure(Protocol):
 
     parameters: type[Any]
 
-    def measurands(self, case: Case, parameters: Any) -> tuple[Measurand, ...]:
-        """Everything that a case with these parameters measures."""
+    def measurands(self, case: Case, parameters: Any, output: Output) -> tuple[Measurand, ...]:
+        """Everything that a case with these parameters measures of such an output."""
 
     def complaints(self, case: Case, parameters: Any, output: Output) -> Iterable[tuple[str, str]]:
         """What is wrong with a case beyond its types: pairs of key (below the case) and message."""

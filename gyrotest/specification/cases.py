@@ -95,7 +95,7 @@ def _procedure_complaints(
         yield from (_at(key, place, message) for place, message in own)
     needed = ("procedure", "parameters", "repeats", "between_repeats")
     if not any(related((*key, one), before) for one in needed):
-        measurands = procedure.measurands(case, parameters.record)
+        measurands = procedure.measurands(case, parameters.record, output)
         yield from unrelated(limit_complaints(case, measurands, (*key, "limits")), before)
 
 

@@ -34,9 +34,11 @@ class BiasRepeatability:
 
     parameters: type[Any] = BiasRepeatabilityParameters
 
-    def measurands(self, case: Case, parameters: BiasRepeatabilityParameters) -> tuple[Measurand, ...]:
+    def measurands(
+        self, case: Case, parameters: BiasRepeatabilityParameters, output: Output
+    ) -> tuple[Measurand, ...]:
         """Return the bias of each cycle, and mean and spread over them."""
-        del parameters
+        del parameters, output
         if case.between_repeats is not Between.POWER_CYCLE or case.repeats < _FEWEST:
             return (_rate("bias", "Bias", "deg/s"),)
         return (

@@ -31,8 +31,11 @@ class Static:
 
     parameters: type[Any] = StaticParameters
 
-    def measurands(self, case: Case, parameters: StaticParameters) -> tuple[Measurand, ...]:
+    def measurands(
+        self, case: Case, parameters: StaticParameters, output: Output
+    ) -> tuple[Measurand, ...]:
         """Return everything that a case with these parameters measures."""
+        del output  # rates, whatever it is
         return static_measurands(case, parameters)
 
     def complaints(

@@ -15,7 +15,14 @@ from gyrotest.records.result import Result
 from gyrotest.records.spec import Between, Case, Limit, Over
 from gyrotest.units import Quantity
 from tests.unit.analysis.generator import DPH, gyro_noise
-from tests.unit.procedures.bench import by_name, samples_of, static_case, static_context, voltages
+from tests.unit.procedures.bench import (
+    by_name,
+    samples_of,
+    static_case,
+    static_context,
+    voltage_output,
+    voltages,
+)
 
 EXAMPLE_DPS = (0.18789, 0.17844, 0.16965, 0.18459, 0.19401)
 EARTH_DPS = EARTH_RATE_DPS * math.sin(math.radians(48.0))
@@ -172,7 +179,9 @@ def test_a_case_that_cannot_measure_it_is_refused(
 def test_what_is_measured_and_acquired() -> None:
     case, parameters = cycles_case(), BiasRepeatabilityParameters()
     assert not list(BiasRepeatability().complaints(case, parameters, cycles_context().output))
-    measured = {one.name: one.over for one in BiasRepeatability().measurands(case, parameters)}
+    measured = {
+        one.name: one.over for one in BiasRepeatability().measurands(case, parameters, voltage_output())
+    }
     assert measured == {"bias": None, "bias_repeatability": Over.REPEATS, "bias_mean": Over.REPEATS}
     plan = BiasRepeatability().plan(case, parameters)
     assert (plan.samples, plan.interval_s, plan.warm_up_s) == (120, 1.0, 600.0)

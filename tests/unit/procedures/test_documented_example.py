@@ -32,4 +32,4 @@ def test_the_documented_procedure_plans_and_reduces(peak_to_peak: Any) -> None:
     rate = rates()
     (result,) = peak_to_peak.reduce(voltages(rate), static_context()).results
     assert result.value == pytest.approx(rate.max() - rate.min())
-    assert peak_to_peak.measurands(case, parameters)[0].name == result.name
+    assert peak_to_peak.measurands(case, parameters, static_context().output)[0].name == result.name

@@ -195,9 +195,11 @@ def test_the_plan_counts_the_samples() -> None:
 
 def test_names_follow_the_smoothing_as_written_and_the_repeats() -> None:
     parameters = StaticParameters(smoothing=(Quantity(10.0, "s"), Quantity(500.0, "ms")))
-    names = [one.name for one in Static().measurands(static_case(), parameters)]
+    names = [one.name for one in Static().measurands(static_case(), parameters, voltage_output())]
     assert {"bias_stability_10s", "bias_stability_500ms", "bias_run_to_run"} <= set(names)
-    once = [one.name for one in Static().measurands(static_case(repeats=1), parameters)]
+    once = [
+        one.name for one in Static().measurands(static_case(repeats=1), parameters, voltage_output())
+    ]
     assert "bias_run_to_run" not in once
 
 

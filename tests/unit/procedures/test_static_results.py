@@ -37,7 +37,7 @@ def reduced(rate: np.ndarray, **changes: object) -> dict[str, Result]:
 def test_every_measurand_of_one_acquisition_has_a_result_in_its_unit() -> None:
     context = static_context()
     found = reduced(rates())
-    for measurand in Static().measurands(context.case, context.parameters):
+    for measurand in Static().measurands(context.case, context.parameters, context.output):
         if measurand.over is None:
             assert found[measurand.name].unit == measurand.unit
             assert found[measurand.name].label == measurand.label
@@ -279,7 +279,9 @@ def test_a_bound_passes_above_and_fails_below_in_any_unit(name: str, high: str, 
     context = static_context()
     result = reduced(gyro_noise(3600, angle_random_walk=30 * DPH, seed=1))[name]
     (measurand,) = [
-        one for one in Static().measurands(context.case, context.parameters) if one.name == name
+        one
+        for one in Static().measurands(context.case, context.parameters, context.output)
+        if one.name == name
     ]
     for text, verdict in ((high, Verdict.PASS), (low, Verdict.FAIL)):
         limit = Limit(max=parse_quantity(text, measurand.dimension))
@@ -319,7 +321,7 @@ def test_dead_time_that_cannot_be_corrected_never_passes(bandwidth: Quantity | N
     assert corrected.value is None
     measurand = next(
         one
-        for one in Static().measurands(context.case, context.parameters)
+        for one in Static().measurands(context.case, context.parameters, context.output)
         if one.name == "angle_random_walk"
     )
     limit = Limit(max=Quantity(1e3, "deg/sqrt(h)"))

@@ -32,7 +32,7 @@ class Stand:
 
     parameters = Parameters
 
-    def measurands(self, case: Case, parameters: Parameters) -> tuple[Measurand, ...]:
+    def measurands(self, case: Case, parameters: Parameters, output: Output) -> tuple[Measurand, ...]:
         names = ["bias", "allan_minimum", "bias_instability_coefficient"]
         names += [f"bias_stability_{one.to('s'):g}s" for one in parameters.smoothing]
         rate, unit = Dimension.RATE, "deg/h"
