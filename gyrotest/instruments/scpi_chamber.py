@@ -1,0 +1,271 @@
+"""A temperature chamber that takes lines of text; its commands stand in the station."""
+
+import contextlib
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
+
+from gyrotest.errors import InstrumentError, InstrumentIdentityError, InstrumentProtocolError
+from gyrotest.instruments import scpi
+from gyrotest.instruments.identity import parse_identity
+from gyrotest.instruments.transport.channel import Connect, FlowControl, Parity, SerialLine
+from gyrotest.instruments.transport.conversation import Conversation, shown
+from gyrotest.instruments.transport.visa import open_channel
+from gyrotest.ports import Clock
+from gyrotest.records.described import Described
+from gyrotest.records.recording import Identity
+from gyrotest.units import Dimension, OfDimension, Quantity
+
+_REPLY_TIMEOUT_S = 5.0
+_NUMBER = r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
+# A chamber shows and takes its setting in tenths or coarser.
+_STEP_C = 0.11
+_COLDEST = Quantity(-70.0, "degC")
+_HOTTEST = Quantity(180.0, "degC")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScpiChamberSettings:
+    """The station's settings of a chamber: what is said to it; the serial ones count on RS-232 only."""
+
+    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
+
+    set: Annotated[
+        str, Described("The command that sets the temperature, {value} in °C.", "SOUR:TEMP {value:.2f}")
+    ] = "SOUR:TEMP {value:.2f}"
+    ask: Annotated[str, Described("The query of the temperature, °C.", "MEAS:TEMP?")] = "MEAS:TEMP?"
+    ask_set: Annotated[
+        str | None,
+        Described("The query of the temperature that is set, °C; it is read back where there is one."),
+    ] = None
+    on: Annotated[
+        str | None, Described("The command that starts it; null if it has none.", "OUTP ON")
+    ] = "OUTP ON"
+    off: Annotated[
+        str | None,
+        Described(
+            "The command that stops heating and cooling, sent at the end; null if it has none.",
+            "OUTP OFF",
+        ),
+    ] = "OUTP OFF"
+    at_rest: Annotated[
+        Quantity | None,
+        OfDimension(Dimension.TEMPERATURE),
+        Described("The temperature that is set at the end, where no command stops it.", "23 degC"),
+    ] = None
+    acknowledges: Annotated[
+        bool, Described("Whether it answers commands too, with a line that is read and dropped.", "true")
+    ] = False
+    reading: Annotated[
+        str,
+        Described(
+            "A regular expression for the number in its answers; a group in it is the number.",
+            "'^([-+.0-9]+)'",
+        ),
+    ] = _NUMBER
+    identify: Annotated[
+        str | None,
+        Described("The query of its identity (four fields); null where it has none.", "'*IDN?'"),
+    ] = "*IDN?"
+    identity: Annotated[
+        str | None,
+        Described("A regular expression that is found in maker and model; another is refused."),
+    ] = None
+    errors: Annotated[bool, Described("Whether SYST:ERR? is asked after each command.", "true")] = False
+    coldest: Annotated[
+        Quantity,
+        OfDimension(Dimension.TEMPERATURE),
+        Described("What is never gone below, for the chamber's or the unit's sake.", "-40 degC"),
+    ] = _COLDEST
+    hottest: Annotated[
+        Quantity,
+        OfDimension(Dimension.TEMPERATURE),
+        Described("What is never gone above.", "85 degC"),
+    ] = _HOTTEST
+    baud_rate: Annotated[int, Described("RS-232: bits per second.", "9600")] = 9600
+    data_bits: Annotated[int, Described("RS-232: 7 or 8 bits.", "8")] = 8
+    parity: Annotated[Parity, Described("RS-232: parity bit.", "none")] = Parity.NONE
+    stop_bits: Annotated[int, Described("RS-232: 1 or 2 stop bits.", "1")] = 1
+    flow_control: Annotated[FlowControl, Described("RS-232: handshake.", "none")] = FlowControl.NONE
+
+    def __post_init__(self) -> None:
+        if self.command(12.3) == self.command(45.6):
+            raise ValueError(f"set '{self.set}' has no {{value}}; write e.g. SOUR:TEMP {{value:.2f}}")
+        for key in ("reading", "identity"):
+            _check_pattern(key, getattr(self, key))
+        if self.off is None and self.at_rest is None:
+            raise ValueError(
+                "neither 'off' nor 'at_rest' says how the chamber is left; write e.g. off: OUTP OFF"
+            )
+        if not self.coldest.to("degC") < self.hottest.to("degC"):
+            raise ValueError(f"coldest {self.coldest} is not below hottest {self.hottest}")
+        _ = self.line  # checks the serial settings
+
+    def command(self, temperature_degc: float) -> str:
+        """The command that sets a temperature; raises `ValueError`."""
+        try:
+            return self.set.format(value=temperature_degc)
+        except (KeyError, IndexError, ValueError, AttributeError) as error:
+            raise ValueError(
+                f"set '{self.set}' cannot be filled in ({error}); write e.g. SOUR:TEMP {{value:.2f}}"
+            ) from None
+
+    @property
+    def line(self) -> SerialLine:
+        """The serial line's part."""
+        return SerialLine(
+            baud_rate=self.baud_rate,
+            data_bits=self.data_bits,
+            parity=self.parity,
+            stop_bits=self.stop_bits,
+            flow_control=self.flow_control,
+        )
+
+
+def _check_pattern(key: str, pattern: str | None) -> None:
+    try:
+        re.compile(pattern or "")
+    except re.error as error:
+        raise ValueError(f"{key} '{pattern}' is no regular expression: {error}") from None
+
+
+class ScpiChamber:
+    """A chamber that is told a temperature and asked for the one it has."""
+
+    settings: ClassVar[type] = ScpiChamberSettings
+
+    def __init__(
+        self,
+        resource: str,
+        settings: ScpiChamberSettings,
+        *,
+        clock: Clock,  # noqa: ARG002 - part of how every chamber is made; nothing is timed here
+        io_timeout_s: float | None = None,
+        serial_number: str | None = None,
+        connect: Connect = open_channel,
+    ) -> None:
+        self._resource = resource
+        self._settings = settings
+        self._serial_number = serial_number
+        self._timeout_s = _REPLY_TIMEOUT_S if io_timeout_s is None else io_timeout_s
+        self._connect = connect
+        self._open: Conversation | None = None
+        self._running = False
+
+    def open(self) -> Identity:
+        """Connect and ask who is there; nothing is changed. Raises `InstrumentError`."""
+        channel = self._connect(self._resource, self._settings.line, self._timeout_s)
+        self._open = Conversation(self._resource, channel)
+        try:
+            identity = self._identity(self._open)
+            self._refuse_another(identity)
+        except InstrumentError:
+            self._disconnect()
+            raise
+        self._open.name(identity.model)
+        return identity
+
+    def set_temperature(self, temperature_degc: float) -> None:
+        """Ask for a temperature, start, and return at once; raises `InstrumentError`."""
+        self._refuse_beyond(temperature_degc)
+        self._running = True
+        self._command(self._settings.command(temperature_degc))
+        if self._settings.on is not None:
+            self._command(self._settings.on)
+        if self._settings.ask_set is not None:
+            found_degc = self._number(self._settings.ask_set)
+            if abs(found_degc - temperature_degc) > _STEP_C:
+                raise InstrumentProtocolError(
+                    f"{self._talk.who}: {self._settings.ask_set} gives {found_degc:g} °C, expected"
+                    f" {temperature_degc:g} °C; is it within what this chamber can do?"
+                )
+
+    def temperature_degc(self) -> float:
+        """The temperature that it reads back, °C; raises `InstrumentError`."""
+        return self._number(self._settings.ask)
+
+    def close(self) -> None:
+        """Leave it at rest, if it was set running here, and disconnect; never raises."""
+        if self._open is None:
+            return
+        if self._running:
+            with contextlib.suppress(InstrumentError):
+                self._rest()
+            self._running = False
+        self._disconnect()
+
+    @property
+    def _talk(self) -> Conversation:
+        if self._open is None:
+            raise InstrumentError(f"{self._resource}: not open; open the chamber first")
+        return self._open
+
+    def _rest(self) -> None:
+        if self._settings.off is not None:
+            self._command(self._settings.off)
+        elif self._settings.at_rest is not None:
+            self._command(self._settings.command(self._settings.at_rest.to("degC")))
+        # A line is not closed under a command that was not yet taken.
+        self._number(self._settings.ask)
+
+    def _command(self, command: str) -> None:
+        if self._settings.acknowledges:
+            self._talk.query(command, self._timeout_s)
+        else:
+            self._talk.write(command)
+        if self._settings.errors:
+            scpi.refuse_errors(self._talk, self._timeout_s)
+
+    def _number(self, query: str) -> float:
+        reply = self._talk.query(query, self._timeout_s)
+        found = re.search(self._settings.reading, reply)
+        try:
+            return float(found[1 if found.re.groups else 0] if found else "")
+        except ValueError:
+            raise InstrumentProtocolError(
+                f"{self._talk.who}: {query} gives {shown(reply.encode())}, expected a temperature in °C;"
+                " correct the settings ask and reading"
+            ) from None
+
+    def _identity(self, talk: Conversation) -> Identity:
+        if self._settings.identify is None:
+            return Identity(
+                manufacturer="not stated",
+                model="temperature chamber",
+                serial_number=self._serial_number or "not stated",
+            )
+        reply = talk.query(self._settings.identify, self._timeout_s)
+        identity = parse_identity(reply)
+        if identity is None:
+            raise InstrumentProtocolError(
+                f"{self._resource}: {self._settings.identify} gives {shown(reply.encode())}, expected the four"
+                " fields of an identity; where it has none, write identify: null"
+            )
+        return identity
+
+    def _refuse_another(self, identity: Identity) -> None:
+        named = f"{identity.manufacturer} {identity.model}"
+        if not re.search(self._settings.identity or "", named, re.IGNORECASE):
+            raise InstrumentIdentityError(
+                f"{self._resource}: found {named} (serial number {identity.serial_number}), expected"
+                f" '{self._settings.identity}'; correct the station's resource or the setting identity"
+            )
+        if self._serial_number is not None and identity.serial_number != self._serial_number:
+            raise InstrumentIdentityError(
+                f"{self._resource}: found {named} with serial number {identity.serial_number}, expected"
+                f" {self._serial_number}; correct the station's serial_number or connect that chamber"
+            )
+
+    def _refuse_beyond(self, temperature_degc: float) -> None:
+        coldest, hottest = self._settings.coldest, self._settings.hottest
+        if not coldest.to("degC") <= temperature_degc <= hottest.to("degC"):
+            raise InstrumentError(
+                f"{self._talk.who}: {temperature_degc:g} °C is asked for, the station allows {coldest} to"
+                f" {hottest}; correct the case's temperatures or the settings coldest and hottest"
+            )
+
+    def _disconnect(self) -> None:
+        if self._open is not None:
+            self._open.close()
+            self._open = None
