@@ -1,0 +1,160 @@
+"""Sensitivity and slope as results, with their budgets."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+from gyrotest.analysis.temperature import (
+    TemperatureLine,
+    TemperatureSensitivity,
+    temperature_line,
+    temperature_sensitivity,
+)
+from gyrotest.procedures.bias_temperature_sensitivity.set_points import SetPoints
+from gyrotest.procedures.uncertainty import by_statistics, expanded, rectangular
+from gyrotest.procedures.wording import plain
+from gyrotest.records.plan import Context
+from gyrotest.records.result import Contribution, Result
+from gyrotest.records.spec import OutputKind
+from gyrotest.records.station import Accuracy
+from gyrotest.units import Quantity
+
+DPH = 3600.0
+UNIT = "deg/h/degC"
+
+_MINUS = "\N{MINUS SIGN}"
+_ROOT_3 = math.sqrt(3.0)
+
+
+def sensitivity_of(points: SetPoints, context: Context) -> TemperatureSensitivity:
+    """Find the set point of the greatest change for its distance, °/s a °C."""
+    return temperature_sensitivity(
+        points.temperature_degc,
+        points.bias_dps,
+        room=points.room,
+        bias_covariance=points.covariance,
+        setting_uncertainty_c=_setting_c(points, context) / _ROOT_3,
+    )
+
+
+def line_of(points: SetPoints, context: Context) -> TemperatureLine:
+    """Fit a line to the biases, °/s a °C."""
+    return temperature_line(
+        points.temperature_degc,
+        points.bias_dps,
+        room=points.room,
+        bias_covariance=points.covariance,
+        setting_uncertainty_c=_setting_c(points, context) / _ROOT_3,
+    )
+
+
+def sensitivity_result(found: TemperatureSensitivity, points: SetPoints, context: Context) -> Result:
+    """Return max|B_i − B_room|/|T_i − T_room| with its budget."""
+    at, room = (float(points.temperature_degc[place]) for place in (found.worst, points.room))
+    condition = (
+        f"at {plain(at, 3)} °C the bias is {_signed(found.change * DPH)} °/h from that at {plain(room, 3)} °C;"
+        f" temperatures: {points.reader.name}"
+    )
+    bare = Result(
+        name="bias_temperature_sensitivity",
+        label="Bias, temperature sensitivity",
+        value=found.value * DPH,
+        unit=UNIT,
+        condition=condition,
+        budget=tuple(_budget(found, points, context)),
+    )
+    return _result(bare, points, context)
+
+
+def slope_result(found: TemperatureLine, points: SetPoints, context: Context) -> Result:
+    """Return the slope of the line of least squares with its budget."""
+    low, high = (plain(float(one), 3) for one in _ends(points))
+    condition = (
+        f"least squares over {points.temperature_degc.size} set points from {low} to {high} °C,"
+        f" which lie up to {plain(found.departure * DPH, 2)} °/h from the line"
+    )
+    bare = Result(
+        name="bias_temperature_slope",
+        label="Bias, slope over temperature",
+        value=found.slope * DPH,
+        unit=UNIT,
+        condition=condition,
+        budget=tuple(_budget(found, points, context)),
+    )
+    return _result(bare, points, context)
+
+
+def _ends(points: SetPoints) -> tuple[float, float]:
+    return float(points.temperature_degc.min()), float(points.temperature_degc.max())
+
+
+def _result(bare: Result, points: SetPoints, context: Context) -> Result:
+    """Return a result with what its budget comes to and what that lacks."""
+    total = expanded(bare.budget)
+    return replace(
+        bare,
+        expanded_uncertainty=total.uncertainty,
+        coverage_factor=total.factor,
+        condition=bare.condition.replace("-", _MINUS),
+        not_included=tuple(_missing(points, context)),
+    )
+
+
+def _budget(
+    found: TemperatureSensitivity | TemperatureLine, points: SetPoints, context: Context
+) -> Iterator[Contribution]:
+    """Give what contributes to a bias a °C, in the result's unit.
+
+    What all set points share, as the Earth's rate and the meter's offset, is not in a difference.
+    """
+    size = abs(found.slope if isinstance(found, TemperatureLine) else found.value)
+    yield by_statistics("noise and wander of the biases", found.by_bias * DPH, points.freedom)
+    half_c = _setting_c(points, context)
+    if half_c > 0.0:
+        yield rectangular(
+            "chamber, error of each setting",
+            f"{plain(half_c, 2)} °C",
+            f"{plain(found.by_setting * DPH / (half_c / _ROOT_3), 3)} °/h/°C²",
+            found.by_setting * DPH * _ROOT_3,
+        )
+    for source, share in _in_proportion(points, context):
+        yield rectangular(
+            source, f"{share}", f"{plain(size * DPH, 3)} °/h/°C", share.to("") * size * DPH
+        )
+
+
+def _in_proportion(points: SetPoints, context: Context) -> Iterator[tuple[str, Quantity]]:
+    chamber, meter = _chamber(points, context), context.accuracy
+    if chamber is not None and chamber.of_reading.value > 0.0:
+        yield "chamber, in proportion", chamber.of_reading
+    if context.output.scale_factor_uncertainty is not None:
+        yield "scale factor", context.output.scale_factor_uncertainty
+    if meter is not None:
+        yield "meter, of reading", meter.of_reading
+
+
+def _chamber(points: SetPoints, context: Context) -> Accuracy | None:
+    """Return the accuracy of the chamber, where it is the chamber that tells the temperatures."""
+    return context.chamber if points.reader.chamber else None
+
+
+def _setting_c(points: SetPoints, context: Context) -> float:
+    chamber = _chamber(points, context)
+    if chamber is None or chamber.of_setting is None:
+        return 0.0
+    return chamber.of_setting.to("degC")
+
+
+def _missing(points: SetPoints, context: Context) -> Iterator[str]:
+    if not points.reader.chamber:
+        yield "accuracy of the temperature sensor"
+    elif context.chamber is None or context.chamber.of_setting is None:
+        yield "accuracy of the chamber"
+    if context.output.kind is OutputKind.VOLTAGE and context.accuracy is None:
+        yield "accuracy of the meter"
+    if context.output.scale_factor_uncertainty is None:
+        yield "uncertainty of the scale factor"
+
+
+def _signed(value: float) -> str:
+    return f"{'+' if value > 0 else ''}{plain(value, 3)}"
