@@ -14,6 +14,8 @@ from gyrotest.simulation.peer import Making, Peer
 _CLASSES = {
     "34401a": "gyrotest.simulation.meter_peer:MeterPeer",
     "34465a": "gyrotest.simulation.meter_peer:MeterPeer",
+    "acutrol3000": "gyrotest.simulation.table_peer:TablePeer",
+    "aerosmith": "gyrotest.simulation.table_peer:TablePeer",
     "scpi_supply": "gyrotest.simulation.supply_peer:SupplyPeer",
     "scpi_chamber": "gyrotest.simulation.chamber_peer:ChamberPeer",
 }
