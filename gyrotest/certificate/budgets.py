@@ -7,6 +7,7 @@ from itertools import groupby
 
 from gyrotest.certificate.numbers import plain, significant
 from gyrotest.certificate.order import in_order
+from gyrotest.certificate.printing import numbers_in_words
 from gyrotest.records.result import Contribution, JudgedResult
 from gyrotest.records.run import RunRecord
 from gyrotest.units import printed_unit
@@ -96,7 +97,7 @@ def _of_axes(results: list[JudgedResult]) -> Iterator[str]:
     for axis, same in groupby(results, key=lambda one: one.axis):
         of_axis = list(same)
         numbers = ", ".join(significant(_combined(one.budget), digits=2) for one in of_axis)
-        repeats = ", ".join(str(one.repeat) for one in of_axis if one.repeat is not None)
+        repeats = numbers_in_words([one.repeat for one in of_axis if one.repeat is not None])
         several = len({one.repeat for one in results}) > 1 or not axis
         name = [f"axis {axis}"] if axis else []
         name += [f"repeat{'s' * (len(of_axis) > 1)} {repeats}"] if several and repeats else []

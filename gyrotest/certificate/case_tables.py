@@ -14,6 +14,7 @@ from gyrotest.records.spec import Case, DecisionRule
 from gyrotest.units import printed_unit
 
 _TALL = 9  # rows beyond which a parameter's name stands above them, and they may break between axes
+_PAGE = 40  # rows of several axes that a page holds
 _WIDE = {  # shares of the columns' widths, by whether there are several axes, several repeats
     (False, False): (29, 11, 17, 8, 8, 8.5, 16, 12),
     (False, True): (26, 5.5, 9.5, 16, 7.5, 7.5, 8.5, 15.5, 12.5),
@@ -67,6 +68,11 @@ class CaseTable:
     repeated: bool
     shares: tuple[float, ...]
     groups: tuple[Group, ...]
+
+    @property
+    def whole(self) -> bool:
+        """Whether its axes are to be read beside one another, on one page that has room for them."""
+        return self.axial and sum(len(one.rows) for one in self.groups) <= _PAGE
 
 
 def case_tables(record: RunRecord) -> tuple[CaseTable, ...]:

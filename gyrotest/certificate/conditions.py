@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 
 from gyrotest.certificate.numbers import plain, significant
-from gyrotest.certificate.printing import printed_text
+from gyrotest.certificate.printing import numbers_in_words, printed_text
 from gyrotest.certificate.statement import remarks
 from gyrotest.records.recording import Dwell, Recording, Sampling
 from gyrotest.records.run import RunRecord
@@ -96,7 +96,9 @@ def _power(record: RunRecord) -> Iterator[str]:
             how = (
                 f"off for {supply.off_time}" if by_supply and supply is not None else "by hand (manual)"
             )
-            yield printed_text(f"Power cycles before repeats {_span(2, case.repeats)} of {name}: {how}.")
+            yield printed_text(
+                f"Power cycles before repeats {numbers_in_words(range(2, case.repeats + 1))} of {name}: {how}."
+            )
 
 
 def _table(record: RunRecord) -> Iterator[str]:
@@ -176,7 +178,8 @@ def _motion(motion: Motion | None) -> str:
         turns = ", with a slip ring"
     elif motion.max_turns is not None:
         turns = f", {plain(motion.max_turns)} turns either way"
-    return printed_text(f": at most {motion.max_rate}, {motion.max_acceleration}{turns}")
+    most = printed_text(f"{motion.max_rate}, {motion.max_acceleration}").replace("/s/s", "/s²")
+    return f": at most {most}{turns}"
 
 
 def _directions(record: RunRecord) -> Iterator[str]:
@@ -205,10 +208,6 @@ def _direction(way: tuple[float, float, float]) -> str:
 
 def _axes(axes: Sequence[str]) -> str:
     return f"axis {axes[0]}" if len(axes) == 1 else f"axes {', '.join(axes)}"
-
-
-def _span(first: int, last: int) -> str:
-    return str(first) if first == last else f"{first} … {last}"
 
 
 def _driver(instrument: Instrument) -> str:

@@ -42,12 +42,12 @@ def _table(
 ) -> TableView:
     repeated = any((one.repeat or 1) > 1 for one in results)
     several = len({one.case for one in results}) > 1
-    columns = [Column(heading="Parameter", share=26)]
-    columns += [Column(heading="Rep.", share=5)] * repeated
-    columns += [Column(heading="Datasheet", share=11, numbers=True), Column(heading="Unit", share=8)]
+    columns = [Column(heading="Parameter", share=22)]
+    columns += [Column(heading="Rep.", share=7)] * repeated
+    columns += [Column(heading="Datasheet", share=10, numbers=True), Column(heading="Unit", share=8.5)]
     for axis in axes:
         name = f"Axis {axis}" if axis else "Measured, U or 95 % interval"
-        columns += [Column(heading=name, share=20), Column(heading="Ratio", share=8, numbers=True)]
+        columns += [Column(heading=name, share=22), Column(heading="Ratio", share=8, numbers=True)]
     return TableView(
         title="Measured against the datasheet",
         note="measured with U or 95 % interval; ratio: measured to datasheet; not judged",

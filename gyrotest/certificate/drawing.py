@@ -1,7 +1,7 @@
 """What a figure shows, as matplotlib's artists: panels above one another that share their x axis."""
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure as Paper
@@ -23,6 +23,7 @@ _PANEL, _LOG_FACTOR, _BETWEEN = 96.0, 1.95, 9.0
 _FLOOR_SHOWN = 4.0  # of a noise floor far below the data, its highest part down to this factor is shown
 _BEHIND, _BEFORE = 2.0, 2.5
 _MARK = 4.4
+_LEVELS = {Role.LIMIT, Role.MEAN, Role.DATASHEET}
 _SERIES_BAND = 0.28  # opacity: bands of several records lie over one another
 
 
@@ -67,7 +68,11 @@ def _draw_panel(axes: "Axes", panel: Panel) -> None:
     if panel.bars:
         _draw_bars(axes, panel.bars)
     for curve in panel.curves:
-        _draw_curve(axes, curve)
+        if panel.points and _is_level(curve):
+            axes.axhline(curve.y[0], **_look(curve))
+            axes.update_datalim(list(zip(curve.x, curve.y, strict=True)))
+        else:
+            _draw_curve(axes, curve)
     for points in panel.points:
         draw_points(axes, points)
     for mark in panel.marks:
@@ -95,19 +100,26 @@ def _draw_bars(axes: "Axes", bars: Bars) -> None:
 
 
 def _draw_curve(axes: "Axes", curve: Curve) -> None:
-    stroke = stroke_of(curve)
-    line = Line2D(
-        curve.x,
-        curve.y,
-        color=stroke.colour,
-        linewidth=stroke.width,
-        linestyle=(0, stroke.dashes) if stroke.dashes else "-",
-        zorder=_BEHIND if stroke.behind else _BEFORE,
-    )
+    line = Line2D(curve.x, curve.y, **_look(curve))
     if curve.role is Role.FLOOR:
         _lay_below(axes, line, curve)
     else:
         axes.add_line(line)
+
+
+def _is_level(curve: Curve) -> bool:
+    """Whether it holds for all points of its panel, so that it runs from frame to frame."""
+    return curve.role in _LEVELS and len(set(curve.y)) == 1
+
+
+def _look(curve: Curve) -> dict[str, Any]:
+    stroke = stroke_of(curve)
+    return {
+        "color": stroke.colour,
+        "linewidth": stroke.width,
+        "linestyle": (0, stroke.dashes) if stroke.dashes else "-",
+        "zorder": _BEHIND if stroke.behind else _BEFORE,
+    }
 
 
 def _lay_below(axes: "Axes", line: Line2D, curve: Curve) -> None:

@@ -21,6 +21,7 @@ _GAP = 4.0
 _DISTANCES = (4.0, 8.0, 14.0, 20.0, 28.0, 36.0, 46.0)  # of a mark's text, the nearest is tried first
 _SPACING = 3.0
 _PLACES = 25
+_ASIDE = 7  # places for a legend each way
 _LEADER = 7.0  # from which distance on a mark is joined to its text
 _MARK = 2.5
 
@@ -40,7 +41,7 @@ def write_texts(axes: "Axes", panel: Panel) -> None:
     for mark, (x, y) in zip(panel.marks, marks, strict=True):
         _write_mark(axes, mark, layout.around(mark.label, x, y), x, y)
     if entries:
-        box = layout.block(*legend_size(entries))
+        box = layout.aside(*legend_size(entries))
         draw_legend(axes, entries, left=box.x0, top=box.y1)
     for name in names:
         if name.text and len(name.line):
@@ -109,18 +110,21 @@ class Layout:
 
     def corner(self, text: str) -> Bbox:
         """Place a note in the emptiest corner."""
-        return self.block(*size(text))
+        extent = size(text)
+        return self._best(self._spread(*extent, 2), extent)
 
-    def block(self, width: float, height: float) -> Bbox:
-        """Place what takes so much room in the emptiest corner."""
-        extent = (width, height)
+    def aside(self, width: float, height: float) -> Bbox:
+        """Place what takes so much room in a corner, or where else there is more room."""
+        places = (*self._spread(width, height, 2), *self._spread(width, height, _ASIDE))
+        return self._best(places, (width, height))
+
+    def _spread(self, width: float, height: float, count: int) -> list[tuple[float, float]]:
+        """Return places evenly over the frame, from the upper right on; two each way are its corners."""
         x0, y0, x1, y1 = self.frame.extents
-        places = (
-            (left, foot)
-            for foot in (y1 - height - _GAP, y0 + _GAP)
-            for left in (x1 - width - _GAP, x0 + _GAP)
-        )
-        return self._best(places, extent)
+        rights = np.linspace(x1 - width - _GAP, x0 + _GAP, count)
+        return [
+            (left, foot) for foot in np.linspace(y1 - height - _GAP, y0 + _GAP, count) for left in rights
+        ]
 
     def _best(self, places: Iterable[tuple[float, float]], extent: tuple[float, float]) -> Bbox:
         """Take the first of the best places, each a lower left corner."""

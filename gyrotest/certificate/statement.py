@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from gyrotest.certificate.equipment import instruments_of_slot, is_unit
 from gyrotest.certificate.looks import LOOKS, RULE_WORDS
 from gyrotest.certificate.order import in_order
+from gyrotest.certificate.printing import numbers_in_words
 from gyrotest.certificate.rows import outcome
 from gyrotest.records.result import JudgedResult, Verdict
 from gyrotest.records.run import Attempt, ItemRecord, PlannedItem, RunRecord
@@ -167,10 +168,16 @@ def _of_items(record: RunRecord, texts: Callable[[Attempt], tuple[str, ...]]) ->
 def _named(plans: list[PlannedItem]) -> str:
     if len(plans) == 1:
         return plans[0].name
-    cases: dict[str, list[str]] = {}
+    cases: dict[str, list[int | None]] = {}
     for plan in plans:
-        cases.setdefault(plan.case, []).append("all" if plan.repeat is None else str(plan.repeat))
-    return "; ".join(f"{case}, repeats {', '.join(repeats)}" for case, repeats in cases.items())
+        cases.setdefault(plan.case, []).append(plan.repeat)
+    return "; ".join(f"{case}, {_repeats(repeats)}" for case, repeats in cases.items())
+
+
+def _repeats(repeats: list[int | None]) -> str:
+    numbers = [one for one in repeats if one is not None]
+    parts = [f"repeat{'s' * (len(numbers) > 1)} {numbers_in_words(numbers)}"] if numbers else []
+    return " and ".join((*parts, "over the repeats") if None in repeats else parts)
 
 
 def _rules(record: RunRecord) -> list[DecisionRule]:

@@ -12,12 +12,14 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from gyrotest.certificate.appendix import exports
 from gyrotest.certificate.csv import results_csv
 from gyrotest.certificate.pdf import RECORD_NAME, RESULTS_NAME, certificate_bytes
 from gyrotest.certificate.record import read_record, record_sha256
 from gyrotest.errors import CertificateError
 from gyrotest.recordings.digest import sha256_of
 from gyrotest.records.recording import Recording
+from gyrotest.records.run import ExportedFile
 
 if TYPE_CHECKING:
     from pypdf import PdfReader
@@ -41,7 +43,7 @@ def verify_pdf(path: Path) -> tuple[str, ...]:
 
 
 def verify_run(folder: Path) -> tuple[str, ...]:
-    """Return what is wrong with a run's record, recordings and certificates."""
+    """Return what is wrong with a run's record, recordings, exported files and certificates."""
     place = folder / RECORD_NAME
     try:
         data = place.read_bytes()
@@ -53,6 +55,7 @@ def verify_run(folder: Path) -> tuple[str, ...]:
     complaints = [
         found for recording in recordings for found in _recording_complaints(folder, root, recording)
     ]
+    complaints += [found for one in exports(record) for found in _export_complaints(folder, one)]
     certificates = sorted(folder.glob("*.pdf"))
     for pdf in certificates:
         complaints += verify_pdf(pdf)
@@ -134,6 +137,16 @@ def _recording_complaints(folder: Path, root: Path, recording: Recording) -> Ite
         digest = sha256_of(place)
         if digest != recording.sha256:
             yield f"{recording.path}: its SHA-256 is {digest}, the record says {recording.sha256}"
+
+
+def _export_complaints(folder: Path, export: ExportedFile) -> Iterator[str]:
+    place = (folder / export.path).resolve()
+    if not place.is_relative_to(folder.resolve()):
+        yield f"{export.path}: lies outside the run's folder"
+    elif not place.is_file():
+        yield f"{export.path}: the exported file is missing"
+    elif (digest := sha256_of(place)) != export.sha256:
+        yield f"{export.path}: its SHA-256 is {digest}, the record says {export.sha256}"
 
 
 def _attached_to(pdf: Path) -> bytes | None:

@@ -20,6 +20,7 @@ from gyrotest.records.run import ExportedFile, RunRecord
 from gyrotest.records.spec import OutputMode
 
 _HASH_BEGINNING = 16
+_NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -140,7 +141,11 @@ def _unit_facts(record: RunRecord) -> Iterator[Fact]:
     nominal = [output.kind.value]
     nominal += [f"from {output.mode.value.replace('_', ' ')}s"] * (output.mode is not OutputMode.RATE)
     nominal += [f"axes {', '.join(output.axes)}"] * bool(output.axes)
-    nominal += [str(one) for one in (output.scale_factor, output.full_scale) if one is not None]
+    nominal += [
+        str(one).replace(" ", _NO_BREAK)
+        for one in (output.scale_factor, output.full_scale)
+        if one is not None
+    ]
     yield Fact(name="Output, nominal", value=printed_text(", ".join(nominal)))
     for key, value in record.header.meta.items():
         yield Fact(name=key[:1].upper() + key[1:], value=value)

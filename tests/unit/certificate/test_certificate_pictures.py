@@ -1,6 +1,8 @@
 """Figures in rows side by side, and tables of procedures with numbers rounded like the results'."""
 
 import dataclasses
+import re
+from collections.abc import Callable
 
 from gyrotest.certificate.pictures import picture_groups
 from gyrotest.certificate.procedure_table import table_view
@@ -50,6 +52,12 @@ def test_parts_of_the_width_that_make_up_a_whole_stand_side_by_side() -> None:
     assert rows(Width.HALF, Width.HALF) == [[87, 87]]
 
 
+def test_three_narrow_figures_stand_side_by_side_and_two_take_a_half_each() -> None:
+    narrow = Width.NARROW
+    assert rows(narrow, narrow, narrow, Width.FULL) == [[56, 56, 56], [180]]
+    assert rows(narrow, narrow, Width.FULL) == [[87, 87], [180]]
+
+
 def test_a_part_without_its_other_part_takes_the_whole_width() -> None:
     assert rows(Width.HALF, Width.NARROW, Width.FULL, Width.WIDE) == [[180], [180], [180], [180]]
 
@@ -72,3 +80,17 @@ def test_a_table_may_stand_without_a_plot() -> None:
 def test_a_table_is_kept_in_the_record() -> None:
     record = run_with(figure(Width.FULL, TABLE))
     assert read_record(record_bytes(record)) == record
+
+
+def test_a_table_of_many_rows_is_long() -> None:
+    assert not table_view(TABLE).long
+    assert table_view(dataclasses.replace(TABLE, rows=TABLE.rows * 5)).long
+
+
+def test_head_of_a_long_table_is_repeated_and_no_row_is_lost(
+    pages: Callable[[str], tuple[str, ...]],
+) -> None:
+    found = [text for text in pages("many_steps") if "Dropped" in text]
+    assert len(found) == 3
+    assert all("Residual / ppm" in text for text in found)
+    assert sum(len(re.findall(r"(?<!\d)9\.936800", text)) for text in found) == 8

@@ -15,7 +15,7 @@ from gyrotest.certificate.pdf import certificate_bytes, write_certificate
 from gyrotest.certificate.record import record_bytes
 from gyrotest.certificate.verify import verify_pdf, verify_run
 from gyrotest.records.result import Verdict
-from gyrotest.records.run import RunRecord
+from gyrotest.records.run import ExportedFile, RunRecord
 from tests.unit.certificate import records
 
 Drawn = Callable[[str], bytes]
@@ -151,6 +151,32 @@ def test_recording_outside_the_folder_is_not_read(tmp_path: Path) -> None:
     )
     changed = dataclasses.replace(record, items=(item, *record.items[1:]))
     (tmp_path / "run/run.json").write_bytes(record_bytes(changed))
+    assert verify_run(tmp_path / "run") == ("../elsewhere: lies outside the run's folder",)
+
+
+def with_export(record: RunRecord, path: str, content: bytes) -> RunRecord:
+    export = ExportedFile(path=path, sha256=hashlib.sha256(content).hexdigest())
+    attempt = dataclasses.replace(record.items[0].attempts[0], exports=(export,))
+    item = dataclasses.replace(record.items[0], attempts=(attempt,))
+    return dataclasses.replace(record, items=(item, *record.items[1:]))
+
+
+def test_altered_and_lost_exported_files_are_found(tmp_path: Path) -> None:
+    record = with_export(with_recordings(tmp_path), "exports/compensation.json", b"{}")
+    (tmp_path / "run.json").write_bytes(record_bytes(record))
+    assert verify_run(tmp_path) == ("exports/compensation.json: the exported file is missing",)
+    (tmp_path / "exports").mkdir()
+    (tmp_path / "exports/compensation.json").write_bytes(b"{}")
+    assert verify_run(tmp_path) == ()
+    (tmp_path / "exports/compensation.json").write_bytes(b"{ }")
+    (complaint,) = verify_run(tmp_path)
+    assert complaint.startswith("exports/compensation.json: its SHA-256 is")
+
+
+def test_exported_file_outside_the_folder_is_not_read(tmp_path: Path) -> None:
+    record = with_export(with_recordings(tmp_path / "run"), "../elsewhere", b"x")
+    (tmp_path / "elsewhere").write_bytes(b"x")
+    (tmp_path / "run/run.json").write_bytes(record_bytes(record))
     assert verify_run(tmp_path / "run") == ("../elsewhere: lies outside the run's folder",)
 
 

@@ -1,0 +1,163 @@
+"""Conditions of a bench: sampling, power, table, chamber and the directions of the axes."""
+
+import dataclasses
+import re
+from collections.abc import Callable
+
+from gyrotest.certificate.conditions import conditions
+from gyrotest.certificate.equipment import equipment
+from gyrotest.certificate.statement import deviations
+from gyrotest.records.recording import Auxiliary, Dwell, Sampling
+from gyrotest.records.run import Attempt, RunRecord
+from tests.unit.certificate import bench_records, records
+
+Pages = Callable[[str], tuple[str, ...]]
+
+
+def flat(text: str) -> str:
+    return re.sub(r"\s+", " ", text)
+
+
+def each(record: RunRecord, change: Callable[[Attempt], Attempt]) -> RunRecord:
+    items = tuple(
+        dataclasses.replace(item, attempts=tuple(change(one) for one in item.attempts))
+        for item in record.items
+    )
+    return dataclasses.replace(record, items=items)
+
+
+def sampled(record: RunRecord, sampling: Sampling) -> tuple[str, ...]:
+    def change(attempt: Attempt) -> Attempt:
+        recording = attempt.recording
+        if recording is None:
+            return attempt
+        header = dataclasses.replace(recording.header, sampling=sampling)
+        return dataclasses.replace(attempt, recording=dataclasses.replace(recording, header=header))
+
+    return conditions(each(record, change))
+
+
+def soaked(record: RunRecord) -> RunRecord:
+    dwells = tuple(
+        Dwell(
+            name=f"{t} °C",
+            first=0,
+            samples=10,
+            began_s=0.0,
+            temperature_degc=t,
+            measured_temperature_degc=t + 0.12,
+        )
+        for t in (25.0, -20.0, 60.0)
+    )
+
+    def change(attempt: Attempt) -> Attempt:
+        assert attempt.recording is not None
+        return dataclasses.replace(
+            attempt, recording=dataclasses.replace(attempt.recording, dwells=dwells)
+        )
+
+    station = dataclasses.replace(
+        record.header.station, station=bench_records.station(chamber="chamber")
+    )
+    header = dataclasses.replace(record.header, station=station)
+    return each(dataclasses.replace(record, header=header), change)
+
+
+def test_samples_of_a_digital_gyro_are_its_own() -> None:
+    told = conditions(bench_records.three_axes())
+    assert told[0] == (
+        "One sample of the axes x, y, z every 0.008 s, as the unit sends it, without gaps. "
+        "Recorded beside it: temperature (in °C)."
+    )
+
+
+def test_averaged_samples_of_a_digital_gyro_tell_how_many() -> None:
+    way = Sampling(interval_s=0.1, aperture_s=0.01, readings=10, unit="deg/s")
+    told = sampled(bench_records.three_axes(), way)
+    assert told[0] == "One sample every 0.1 s, the mean of 10 readings of the unit's own, without gaps."
+
+
+def test_what_a_scanner_reads_later_is_told() -> None:
+    way = Sampling(
+        interval_s=1.0,
+        aperture_s=0.02,
+        channels=("101",),
+        auxiliary=(Auxiliary(name="temperature", unit="V"),),
+        offsets_s=(0.0, 0.2),
+    )
+    told = sampled(records.passing(), way)
+    assert "integrated for 2 % of the time" in told[0]
+    assert told[0].endswith(
+        "Recorded beside it: temperature (in V). Sampled later than 101: temperature 0.2 s."
+    )
+
+
+def test_supply_and_power_cycles_are_told() -> None:
+    told = " ".join(conditions(bench_records.rate_table()))
+    assert "Powered with 5 V by 'supply': current limit 400 mA, over-voltage protection 5.5 V." in told
+    assert "Power cycles before repeats 2 … 7 of bias_repeatability: off for 10 s." in told
+
+
+def test_power_by_hand_is_told_as_manual(pages: Pages) -> None:
+    text = flat(" ".join(pages("by_hand")))
+    assert "Powered by hand: no power supply of the station was used." in text
+    assert "Power cycles before repeats 2 … 7 of bias_repeatability: by hand (manual)." in text
+    assert "bias_repeatability, repeats 2 … 7: power switched off and on by hand (manual)" in text
+
+
+def test_a_replayed_record_says_nothing_of_power() -> None:
+    told = conditions(dataclasses.replace(records.passing(), replayed=True))
+    assert not any("owered" in text for text in told)
+
+
+def test_table_its_limits_and_the_rates_are_told() -> None:
+    told = conditions(bench_records.rate_table())
+    assert "Rate table 'table' (acutrol3000): at most 200 °/s, 100 °/s², with a slip ring." in told
+    rates = next(text for text in told if text.startswith("Rates asked for in scale_factor: "))
+    assert "−80, −60, −40, −20, −10, 0, 10, 20, 40, 60, 80 °/s" in rates
+    assert rates.endswith("; read back within 0.00040 °/s of that.")
+
+
+def test_a_table_that_did_not_turn_is_not_told() -> None:
+    assert not any("Rate table" in text for text in conditions(bench_records.three_axes()))
+
+
+def test_chamber_and_temperatures_are_told() -> None:
+    told = conditions(soaked(bench_records.three_axes()))
+    assert "Temperature chamber 'chamber' (chamber)." in told
+    assert "Temperatures asked for in noise: −20, 25, 60 °C; read back within 0.12 °C of that." in told
+
+
+def test_direction_of_each_judged_axis_is_told() -> None:
+    told = conditions(bench_records.three_axes())
+    assert (
+        "Sensitive axes in noise: x up 0, north 1, east 0; y up 0, north 0, east 1; "
+        "z up 1, north 0, east 0." in told
+    )
+    told = conditions(bench_records.rate_table())
+    assert "Sensitive axes in scale_factor: z up 1, north 0, east 0." in told
+    assert "Judged in scale_factor: axis z of x, y, z." in told
+
+
+def test_the_unit_itself_needs_no_calibration() -> None:
+    record = bench_records.rate_table()
+    unit = equipment(record)[0]
+    assert unit.made_by == "Example TRIAX300, the unit under test"
+    assert unit.certificate == "–"
+    assert not any("'gyro'" in text for text in deviations(record))
+
+
+def test_events_of_several_items_are_said_once() -> None:
+    record = each(
+        bench_records.rate_table(), lambda one: dataclasses.replace(one, events=("resynchronised",))
+    )
+    found = [text for text in deviations(record) if text.endswith("resynchronised")]
+    assert len(found) == 1
+    assert "scale_factor, repeat 1; bias_repeatability, repeats 1 … 7 and over the repeats" in found[0]
+
+
+def test_recordings_tell_their_steps_and_exports_their_hashes(pages: Pages) -> None:
+    text = flat(" ".join(pages("rate_table")))
+    assert "90 000 of 90 000 samples in 24 steps, 0 missing" in text
+    assert f"exports/compensation-{bench_records.SERIAL}.json exported for other programs" in text
+    assert "ab" * 32 in text
