@@ -11,7 +11,7 @@ from gyrotest.errors import InstrumentError, InstrumentProtocolError
 from gyrotest.instruments.exchange import Exchange
 from gyrotest.instruments.identity import Expected, check_identity, parse_identity
 from gyrotest.instruments.motion import Envelope, max_acceleration_dps2, max_rate_dps
-from gyrotest.instruments.standstill import guard_for, start_guard, wait_for_rest
+from gyrotest.instruments.standstill import comes_to_rest, guard_for, start_guard
 from gyrotest.instruments.transport.channel import Connect, SerialLine
 from gyrotest.instruments.transport.conversation import shown
 from gyrotest.instruments.transport.serial_port import open_commands_only
@@ -98,6 +98,7 @@ class Acutrol3000:
         if settings.prefix_bytes is None:
             self._prefix_bytes = _STATUS_BYTES if self._answers else 0
         self._end = b"\r\n" if self._answers else b"\n"
+        self._enabled = False
         stop = tuple(f"{command}{self._end.decode()}" for command in self._stopping())
         self._guard = guard_for(resource, line, stop, who=resource)
 
@@ -122,26 +123,30 @@ class Acutrol3000:
     def enable(self) -> None:
         """The controller's limits set and read back, the loop closed, rate 0; raises `InstrumentError`."""
         start_guard(self._guard, self._exchange.who)
+        self._enabled = True
         axis = self._axis
         self._command(":Interlock:Reset")
+        # Somebody else may have left it turning, and a drive that is switched off brakes nothing.
+        self._command(f":Demand:Rate {axis},0")
+        if not comes_to_rest(self._clock, self._motion, self._plain_rate_dps):
+            raise InstrumentError(
+                f"{self._exchange.who}: the table turns and does not come to rest; stop it at the controller's"
+                " panel, and see who else is using it"
+            )
         self._command(f":Mode:Off {axis}")
         for mode in ("Rate", "Position"):
             self._limit("Rate", mode, max_rate_dps(self._motion))
             self._limit("Acceleration", mode, max_acceleration_dps2(self._motion))
         self._command(f":Interlock:Close {axis}")
         self._refuse_interlock()
-        # An earlier demand, if there is one, must not come to life with the mode.
-        self._command(f":Demand:Rate {axis},0")
-        self._command(f":Mode:Rate {axis}")
-        self._command(f":Demand:Rate {axis},0")
+        self._demand("Rate", 0.0)
         self._refuse_interlock()
 
     def set_rate(self, rate_dps: float) -> None:
         """Ask for a rate; raises `InstrumentError`, before anything is sent, beyond what is allowed."""
         self._envelope.refuse_rate(self._clock.now_s(), rate_dps)
         self._refuse_interlock()
-        self._command(f":Mode:Rate {self._axis}")
-        self._command(f":Demand:Rate {self._axis},{_text(rate_dps)}")
+        self._demand("Rate", rate_dps)
         self._envelope.demanded(self._clock.now_s(), rate_dps)
 
     def rate_dps(self) -> float:
@@ -167,14 +172,14 @@ class Acutrol3000:
         """Ask for an angle, by the shorter way; raises `InstrumentError`, before anything is sent, too."""
         self._envelope.refuse_move(self._clock.now_s(), position_deg)
         self._refuse_interlock()
-        self._command(f":Demand:Position {self._axis},{_text(position_deg)}")
-        self._command(f":Mode:Position {self._axis}")
+        self._demand("Position", position_deg)
         self._envelope.moved(self._clock.now_s(), position_deg)
 
     def stop(self) -> None:
         """Rate 0 from whatever it does; never raises."""
         self._exchange.forget()
-        for command in self._stopping():
+        # A drive that is off stays off.
+        for command in self._stopping() if self._enabled else self._stopping()[:1]:
             with contextlib.suppress(InstrumentError):
                 self._command(command)
         if self._envelope.begun:
@@ -182,20 +187,32 @@ class Acutrol3000:
 
     def close(self) -> None:
         """At rest, drive off, interlock open, disconnected; idempotent, never raises."""
-        if self._exchange.is_open:
-            self.stop()
-            wait_for_rest(self._clock, self._motion, self._plain_rate_dps)
-            for command in (f":Mode:Off {self._axis}", f":Interlock:Open {self._axis}"):
-                with contextlib.suppress(InstrumentError):
-                    self._command(command)
+        if self._exchange.is_open and self._enabled:
+            self._switch_off()
         self._exchange.close()
         if self._guard is not None:
             self._guard.release()
 
+    def _switch_off(self) -> None:
+        self.stop()
+        with contextlib.suppress(InstrumentError):
+            comes_to_rest(self._clock, self._motion, self._plain_rate_dps)
+        for command in (f":Mode:Off {self._axis}", f":Interlock:Open {self._axis}"):
+            with contextlib.suppress(InstrumentError):
+                self._command(command)
+        self._enabled = False
+
+    def _demand(self, mode: str, value: float) -> None:
+        for command in self._demanding(mode, value):
+            self._command(command)
+
+    def _demanding(self, mode: str, value: float) -> tuple[str, ...]:
+        """A demand of before comes to life with the mode, so that the new one goes in front, and again behind."""
+        demand = f":Demand:{mode} {self._axis},{_text(value)}"
+        return (demand, f":Mode:{mode} {self._axis}", demand)
+
     def _stopping(self) -> tuple[str, ...]:
-        """In position mode the axis must change over; a demand of before would then come to life."""
-        demand = f":Demand:Rate {self._axis},0"
-        return (demand, f":Mode:Rate {self._axis}", demand)
+        return self._demanding("Rate", 0.0)
 
     def _identify(self) -> Identity:
         reply = self._ask("*IDN?")

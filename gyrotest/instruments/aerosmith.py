@@ -10,7 +10,7 @@ from gyrotest.errors import InstrumentError, InstrumentProtocolError
 from gyrotest.instruments.exchange import Exchange
 from gyrotest.instruments.identity import Expected, check_identity, parse_identity
 from gyrotest.instruments.motion import Envelope, Progress, max_acceleration_dps2
-from gyrotest.instruments.standstill import guard_for, start_guard, wait_for_rest
+from gyrotest.instruments.standstill import comes_to_rest, guard_for, start_guard
 from gyrotest.instruments.transport.channel import Connect, SerialLine
 from gyrotest.instruments.transport.conversation import shown
 from gyrotest.instruments.transport.serial_port import open_commands_only
@@ -84,6 +84,7 @@ class Aerosmith:
         self._exchange = Exchange(resource, line, connect=connect, io_timeout_s=io_timeout_s)
         self._envelope = Envelope(resource, motion)
         self._progress = Progress(clock)
+        self._enabled = False
         self._guard = guard_for(resource, line, ("STO\r", "JOG0\r", "STO\r"), who=resource)
 
     def open(self) -> Identity:
@@ -105,7 +106,13 @@ class Aerosmith:
     def enable(self) -> None:
         """Acceleration set, drive on, at rest; raises `InstrumentError`."""
         start_guard(self._guard, self._exchange.who)
+        self._enabled = True
         self._command("STO")
+        if not comes_to_rest(self._clock, self._motion, self.rate_dps):
+            raise InstrumentError(
+                f"{self._exchange.who}: the table turns and does not come to rest; stop it at the controller,"
+                " and see who else is using it"
+            )
         self._command(f"ACL{_text(max_acceleration_dps2(self._motion))}")
         self._command("SRV1")
         if self._settings.home:
@@ -164,11 +171,13 @@ class Aerosmith:
 
     def close(self) -> None:
         """At rest, drive off, disconnected; idempotent, never raises."""
-        if self._exchange.is_open:
+        if self._exchange.is_open and self._enabled:
             self.stop()
-            wait_for_rest(self._clock, self._motion, self.rate_dps)
+            with contextlib.suppress(InstrumentError):
+                comes_to_rest(self._clock, self._motion, self.rate_dps)
             with contextlib.suppress(InstrumentError):
                 self._command("SRV0")
+            self._enabled = False
         self._exchange.close()
         if self._guard is not None:
             self._guard.release()
@@ -198,7 +207,10 @@ class Aerosmith:
 
     def _home(self) -> None:
         self._command("HOM")
-        wait_for_rest(self._clock, self._motion, self.rate_dps)
+        if not comes_to_rest(self._clock, self._motion, self.rate_dps):
+            raise InstrumentError(
+                f"{self._exchange.who}: does not come to rest after HOM; is it mechanically free?"
+            )
 
     def _number(self, query: str) -> float:
         found = self._ask(query)

@@ -1,6 +1,5 @@
 """A rate table is never left turning: waiting until it rests, and the guard that outlives the run."""
 
-import contextlib
 import logging
 import re
 from collections.abc import Callable
@@ -50,13 +49,14 @@ def start_guard(guard: Guard | None, who: str) -> None:
         ) from error
 
 
-def wait_for_rest(clock: Clock, motion: Motion, rate_dps: Callable[[], float]) -> bool:
-    """Wait, no longer than the run-down can take, until the table rests; whether it was seen to. Never raises."""
-    with contextlib.suppress(InstrumentError):
+def comes_to_rest(clock: Clock, motion: Motion, rate_dps: Callable[[], float]) -> bool:
+    """Wait, no longer than the run-down can take, until the table rests; whether it does.
+
+    Raises `InstrumentError` where its rate cannot be read.
+    """
+    now_dps = abs(rate_dps())
+    deadline_s = clock.now_s() + 2 * now_dps / max_acceleration_dps2(motion) + _GRACE_S
+    while now_dps > AT_REST_DPS and clock.now_s() < deadline_s:
+        clock.sleep_until(clock.now_s() + _POLL_S)
         now_dps = abs(rate_dps())
-        deadline_s = clock.now_s() + 2 * now_dps / max_acceleration_dps2(motion) + _GRACE_S
-        while now_dps > AT_REST_DPS and clock.now_s() < deadline_s:
-            clock.sleep_until(clock.now_s() + _POLL_S)
-            now_dps = abs(rate_dps())
-        return now_dps <= AT_REST_DPS
-    return False
+    return now_dps <= AT_REST_DPS

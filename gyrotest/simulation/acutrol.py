@@ -39,6 +39,7 @@ class AcutrolController:
         self.table = table
         self.serial_number = serial_number
         self._mode = "OFF"
+        self._loaded: dict[str, float | None] = {"RATE": 0.0, "POSITION": None}
         self._closed = False
         self._refused = False
         self._limits = {
@@ -142,21 +143,25 @@ class AcutrolController:
         if mode != "OFF" and (self._fault() or not self._closed):
             raise Refusal
         if mode != self._mode:
-            self.table.set_rate(0.0)
-        self._mode = mode
+            self._mode = mode
+            self._follow(mode)
+
+    def _follow(self, mode: str) -> None:
+        """Do what is demanded in the mode; a demand of before comes to life with it."""
+        demand = self._loaded.get(mode)
+        if mode == "POSITION" and demand is not None:
+            self.table.move_to(demand)
+        else:
+            self.table.set_rate(demand or 0.0)
 
     def _demand(self, of: str, value: float) -> None:
         if self._fault():
             raise Refusal
         if of == "RATE" and abs(value) > self._limits["RATE", "RATE"]:
             raise Refusal
-        if self._mode != of:
-            # Loaded for later, which this controller forgets with the change of mode.
-            return
-        if of == "RATE":
-            self.table.set_rate(value)
-        else:
-            self.table.move_to(value)
+        self._loaded[of] = value
+        if self._mode == of:
+            self._follow(of)
 
     def _set_limit(self, names: tuple[str, ...], parameters: list[str]) -> None:
         if len(names) != 2 or len(parameters) != 3:
