@@ -174,7 +174,9 @@ class Bench:
             self._open(
                 name, table.close, lambda: self._drivers.opened(name, self._resource(name), table)
             )
-            self._tables[name] = TableDrive(table, clock=self.clock, motion=self._motion(name))
+            self._tables[name] = TableDrive(
+                table, clock=self.clock, motion=self._motion(name), name=self._resource(name)
+            )
         return self._tables[name]
 
     def _motion(self, name: str) -> Motion:
