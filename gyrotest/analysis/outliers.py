@@ -17,7 +17,18 @@ def inside_window(values: NDArray[np.float64], *, centre: float, half_width: flo
     return kept
 
 
-def near_median(values: NDArray[np.float64], *, mads: float) -> NDArray[np.bool_]:
+def median_deviation(values: NDArray[np.float64]) -> float:
+    """Return the median absolute deviation of samples (n,) from their median, as it is.
+
+    Of digitised samples more than half may read the same: it is one of their steps at least.
+    """
+    away = float(np.median(np.abs(values - np.median(values))))
+    return max(away, digital_step(values) or 0.0)
+
+
+def near_median(
+    values: NDArray[np.float64], *, mads: float, least_deviation: float = 0.0
+) -> NDArray[np.bool_]:
     """Return which samples (n,) lie within so many median absolute deviations of their median.
 
     Parameters
@@ -26,14 +37,10 @@ def near_median(values: NDArray[np.float64], *, mads: float) -> NDArray[np.bool_
         Shape (n,), any unit.
     mads
         Of the median absolute deviation as it is, which of normal noise is 0.6745 σ: 7.5 of them are 5 σ.
-
-    Notes
-    -----
-    Of digitised samples more than half may read the same, and their median absolute deviation be 0: it
-    counts as one step at least. Where all samples are the same, all are kept.
+    least_deviation
+        What the deviation is at least, from more samples of the same noise: that of a few dozen may by
+        chance be half of what it should.
     """
-    middle = float(np.median(values))
-    away = np.abs(values - middle)
-    step = digital_step(values) or 0.0
-    kept: NDArray[np.bool_] = away <= mads * max(float(np.median(away)), step)
+    deviation = max(median_deviation(values), least_deviation)
+    kept: NDArray[np.bool_] = np.abs(values - np.median(values)) <= mads * deviation
     return kept

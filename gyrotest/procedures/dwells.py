@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.analysis.noise_terms import Grid
-from gyrotest.analysis.outliers import inside_window, near_median
+from gyrotest.analysis.outliers import inside_window, median_deviation, near_median
 from gyrotest.analysis.step_noise import LikeSteps, StepNoise, step_noise
 from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.rails import rail_of
@@ -18,7 +18,7 @@ from gyrotest.records.recording import Dwell, SampleFlag, Samples, Sampling
 from gyrotest.units import Dimension, Quantity, printed_unit, same_dimension
 
 MOST_DROPPED = 0.01
-"""Share of a dwell's samples beyond which outliers are no outliers any more."""
+"""Share of a dwell's samples beyond which outliers are no outliers any more; a single one always is."""
 
 FEWEST_PRESENT = 0.5
 """Share of a dwell's samples that are needed: what was lost on the way does not bias a mean."""
@@ -36,11 +36,13 @@ class OutlierRule:
     window: Quantity | None = None
     mads: float = 7.5
 
-    def kept(self, rate_dps: NDArray[np.float64], demanded_dps: float | None) -> NDArray[np.bool_]:
-        """Return which samples (n,) are kept."""
+    def kept(
+        self, rate_dps: NDArray[np.float64], demanded_dps: float | None, *, usual_dps: float = 0.0
+    ) -> NDArray[np.bool_]:
+        """Return which samples (n,) are kept; `usual_dps`: the median absolute deviation of all dwells."""
         half_dps = self.half_width_dps(demanded_dps)
         if half_dps is None or demanded_dps is None:
-            return near_median(rate_dps, mads=self.mads)
+            return near_median(rate_dps, mads=self.mads, least_deviation=usual_dps)
         return inside_window(rate_dps, centre=demanded_dps, half_width=half_dps)
 
     def half_width_dps(self, demanded_dps: float | None) -> float | None:
@@ -131,20 +133,29 @@ def dwell_records(
     if not context.dwells:
         raise InsufficientDataError(f"{context.case_name}: the recording has no dwells")
     places = _places(samples, context)
+    scaling = output_scaling(context.output, samples.sampling.unit)
+    cuts = [_cut(samples, places, dwell) for dwell in context.dwells]
+    for cut in cuts:
+        _refuse_unfit(cut, context, may_saturate=may_saturate)
+    readings = [cut.only(~cut.overloaded) for cut in cuts]
+    deviations = [median_deviation(one.values) for one in readings if one.values.size]
+    usual_dps = scaling.spread_dps(float(np.median(deviations))) if deviations else 0.0
     return tuple(
-        _record(_cut(samples, places, dwell), context, rule or OutlierRule(), may_saturate=may_saturate)
-        for dwell in context.dwells
+        _record(cut, one, scaling, rule or OutlierRule(), usual_dps)
+        for cut, one in zip(cuts, readings, strict=True)
     )
 
 
-def noise_of(records: tuple[DwellRecord, ...]) -> StepNoise:
+def noise_of(
+    records: tuple[DwellRecord, ...], *, alike: tuple[DwellRecord, ...] | None = None
+) -> StepNoise:
     """Return the noise that dwells have in common, in `scaling.unit`; raises `InsufficientDataError`.
 
-    How far dwells of one rate (or at rest) lie apart tells of the slow noise.
+    How far dwells that are `alike` (None: those at rest) lie apart tells of the slow noise.
     """
     sampling = records[0].sampling
     grid = Grid(interval_s=sampling.interval_s, aperture_s=sampling.effective_aperture_s)
-    rest = tuple(one for one in records if one.rate_dps == 0.0)
+    rest = tuple(one for one in records if one.rate_dps == 0.0) if alike is None else alike
     like = LikeSteps(
         means=np.array([one.mean for one in rest]),
         begins_s=np.array([one.begin_s for one in rest]),
@@ -197,18 +208,23 @@ def _cut(samples: Samples, places: NDArray[np.int64], dwell: Dwell) -> _Cut:
     )
 
 
-def _record(cut: _Cut, context: Context, rule: OutlierRule, *, may_saturate: bool) -> DwellRecord:
-    """Check a dwell and take its outliers out; an overload's value is no reading and does not count."""
+def _refuse_unfit(cut: _Cut, context: Context, *, may_saturate: bool) -> None:
+    """Refuse too few samples, bad ones, and, unless they may, saturated ones."""
     _refuse_few(cut)
     readings = cut.only(~cut.overloaded)
     _refuse_bad(readings)
-    railed = rail_of(readings.values)
     if not may_saturate:
-        _refuse_saturated(cut, readings.values[railed], context)
-    scaling = output_scaling(context.output, cut.sampling.unit)
+        _refuse_saturated(cut, readings.values[rail_of(readings.values)], context)
+
+
+def _record(
+    cut: _Cut, readings: _Cut, scaling: Scaling, rule: OutlierRule, usual_dps: float
+) -> DwellRecord:
+    """Take the outliers out; an overload's value is no reading and does not count."""
+    railed = rail_of(readings.values)
     chosen = readings
-    if not railed.any():
-        chosen = readings.only(_kept(readings, scaling, rule))
+    if not railed.any() and readings.values.size:
+        chosen = readings.only(_kept(readings, scaling, rule, usual_dps))
     return DwellRecord(
         dwell=cut.dwell,
         output=scaling.outputs(chosen.values),
@@ -222,13 +238,11 @@ def _record(cut: _Cut, context: Context, rule: OutlierRule, *, may_saturate: boo
     )
 
 
-def _kept(readings: _Cut, scaling: Scaling, rule: OutlierRule) -> NDArray[np.bool_]:
+def _kept(readings: _Cut, scaling: Scaling, rule: OutlierRule, usual_dps: float) -> NDArray[np.bool_]:
     rate_dps, demanded_dps = scaling.rates_dps(readings.values), readings.dwell.rate_dps
-    if not rate_dps.size:
-        return np.ones(0, dtype=np.bool_)
-    kept = rule.kept(rate_dps, demanded_dps)
+    kept = rule.kept(rate_dps, demanded_dps, usual_dps=usual_dps)
     dropped = int(rate_dps.size - kept.sum())
-    if dropped > MOST_DROPPED * rate_dps.size:
+    if dropped > max(MOST_DROPPED * rate_dps.size, 1.0):
         raise InsufficientDataError(
             f"{_named(readings.dwell)}: {dropped} of {rate_dps.size} samples are not"
             f" {rule.spoken(demanded_dps)} (at most {MOST_DROPPED:.0%} may be dropped after settling):"

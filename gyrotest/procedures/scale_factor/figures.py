@@ -1,0 +1,182 @@
+"""Figures of a scale-factor test: the response with its residuals, and the table of steps."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrotest.analysis.interval import coverage_factor
+from gyrotest.analysis.scale_factor import Linear
+from gyrotest.procedures.dwells import DwellRecord
+from gyrotest.procedures.scale_factor.turns import Turns
+from gyrotest.procedures.wording import plain
+from gyrotest.records.figure import Curve, Figure, Panel, Points, Role
+from gyrotest.records.plan import Context
+from gyrotest.records.table import Cell, Column, Table
+from gyrotest.units import printed_unit
+
+_PPM = 1e6
+_MINUS = "\N{MINUS SIGN}"
+_MARGIN = 1.06
+_COLUMNS = (
+    Column(heading="Step", share=16),
+    Column(heading="Rate / (°/s)", share=12, numbers=True),
+    Column(heading="Read back", share=13, numbers=True),
+    Column(heading="Mean output", share=17, numbers=True),
+    Column(heading="Residual / ppm", share=14, numbers=True),
+    Column(heading="U / ppm", share=10, numbers=True),
+    Column(heading="Kept", share=10, numbers=True),
+    Column(heading="Dropped", share=10, numbers=True),
+    Column(heading="Settling", share=11, numbers=True),
+)
+
+
+def turn_figures(turns: Turns, context: Context) -> tuple[Figure, ...]:
+    """Return the figures, in the order of the certificate."""
+    return (_response_figure(turns, context),)
+
+
+def _scale_dps(turns: Turns, context: Context) -> float:
+    """Return the rate to which residuals are in proportion: full scale, or the largest tested."""
+    full_scale = context.output.full_scale
+    return turns.largest_dps if full_scale is None else full_scale.to("deg/s")
+
+
+def _response_figure(turns: Turns, context: Context) -> Figure:
+    full_scale = context.output.full_scale
+    scale_dps = _scale_dps(turns, context)
+    of = (
+        f"{'the largest rate tested' if full_scale is None else 'full scale'}, {plain(scale_dps, 6)} °/s"
+    )
+    residual, bars = _residuals_ppm(turns, scale_dps)
+    return Figure(
+        name="response",
+        title="Response and residuals",
+        panels=(_response_panel(turns), _residual_panel(turns, context, residual, bars)),
+        caption="Top: mean output of each step, and the least-squares line. Bottom: what the steps leave, in"
+        f" parts per million of {of}; bars: expanded uncertainty (95 %) of each, without what all have in"
+        " common; dotted: limits.",
+        alt=f"Output of {turns.rates_dps.size} steps from {plain(float(turns.rates_dps.min()), 6)} to"
+        f" {plain(float(turns.rates_dps.max()), 6)} °/s, residuals within"
+        f" {plain(float(np.abs(residual).max()), 3)} ppm",
+        table=_steps_table(turns, residual, bars, of),
+    )
+
+
+def _residuals_ppm(turns: Turns, scale_dps: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    per = _PPM / (abs(turns.fit.scale_factor.value) * scale_dps)
+    bars = np.array([_expanded(turns, one) for one in turns.fit.residuals])
+    return turns.fit.residual * per, bars * per
+
+
+def _expanded(turns: Turns, one: Linear) -> float:
+    variance = turns.total(one)
+    return coverage_factor(variance.degrees_of_freedom, coverage=0.95) * math.sqrt(variance.value)
+
+
+def _response_panel(turns: Turns) -> Panel:
+    fit, rates = turns.fit, turns.rates_dps
+    ends = np.array([rates.min(), rates.max()])
+    line = fit.offset.value + fit.scale_factor.value * ends
+    outputs = np.array([one.mean for one in turns.turning])
+    return Panel(
+        y_label=f"Output / {_factor_free(turns.scaling.unit)}",
+        x_label="Rate / (°/s)",
+        curves=(Curve(x=_drawn(ends), y=_drawn(line), role=Role.MODEL),),
+        points=_sides(rates, outputs, None),
+    )
+
+
+def _factor_free(unit: str) -> str:
+    printed = printed_unit(unit)
+    return f"({printed})" if "/" in printed else printed
+
+
+def _residual_panel(
+    turns: Turns, context: Context, residual: NDArray[np.float64], bars: NDArray[np.float64]
+) -> Panel:
+    rates = turns.rates_dps
+    return Panel(
+        y_label="Residual / ppm",
+        x_label="Rate / (°/s)",
+        curves=(_level(rates, 0.0, Role.GUIDE), *_limits(turns, context)),
+        points=_sides(rates, residual, bars),
+    )
+
+
+def _limits(turns: Turns, context: Context) -> tuple[Curve, ...]:
+    name = "nonlinearity_of_tested" if context.output.full_scale is None else "nonlinearity"
+    limit = context.case.limits.get(name)
+    if limit is None or limit.max is None:
+        return ()
+    most = limit.max.to("ppm")
+    return tuple(
+        _level(turns.rates_dps, sign * most, Role.LIMIT, "limit" if sign > 0 else "") for sign in (1, -1)
+    )
+
+
+def _level(rates: NDArray[np.float64], y: float, role: Role, label: str = "") -> Curve:
+    ends = (_MARGIN * float(min(rates.min(), 0.0)), _MARGIN * float(max(rates.max(), 0.0)))
+    return Curve(x=ends, y=(y, y), role=role, label=label)
+
+
+def _sides(
+    rates: NDArray[np.float64], values: NDArray[np.float64], bars: NDArray[np.float64] | None
+) -> tuple[Points, ...]:
+    """Tell forward and backward turns apart."""
+    return tuple(
+        Points(
+            x=_drawn(rates[chosen]),
+            y=_drawn(values[chosen]),
+            u=() if bars is None else _drawn(bars[chosen]),
+            label=label,
+            series=series,
+        )
+        for series, (label, chosen) in enumerate((("forward", rates > 0.0), ("backward", rates < 0.0)))
+        if chosen.any()
+    )
+
+
+def _steps_table(
+    turns: Turns, residual: NDArray[np.float64], bars: NDArray[np.float64], of: str
+) -> Table:
+    left = {
+        one.dwell.first: (float(r), float(u))
+        for one, r, u in zip(turns.turning, residual, bars, strict=True)
+    }
+    records = sorted((*turns.rest, *turns.turning), key=lambda one: one.dwell.first)
+    return Table(
+        title="Steps",
+        note=f"residuals in ppm of {of}",
+        columns=_COLUMNS,
+        rows=tuple(_row(one, left.get(one.dwell.first)) for one in records),
+    )
+
+
+def _row(record: DwellRecord, left: tuple[float, float] | None) -> tuple[Cell, ...]:
+    dwell, none = record.dwell, Cell(text="–")
+    read_back = dwell.measured_rate_dps
+    residual, bar = left or (0.0, 0.0)
+    return (
+        Cell(text=dwell.name),
+        _text(record.rate_dps, 6),
+        none if read_back is None else _text(read_back, 6),
+        Cell(text=f"{_signed(record.mean, 7)} {printed_unit(record.scaling.unit)}"),
+        none if left is None else _text(residual, 3),
+        none if left is None else _text(bar, 2),
+        Cell(text=str(record.kept)),
+        Cell(text=str(record.dropped)),
+        Cell(text=f"{plain(dwell.settling_s, 3)} s"),
+    )
+
+
+def _text(value: float, digits: int) -> Cell:
+    return Cell(text=_signed(value, digits))
+
+
+def _signed(value: float, digits: int) -> str:
+    return plain(value, digits).replace("-", _MINUS)
+
+
+def _drawn(values: NDArray[np.float64]) -> tuple[float, ...]:
+    return tuple(values.tolist())

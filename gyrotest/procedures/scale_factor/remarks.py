@@ -1,0 +1,62 @@
+"""What a reader of a certificate must know of the steps: few rates, samples dropped, a sign, read-backs."""
+
+from collections.abc import Iterator
+
+from gyrotest.procedures.dwells import DwellRecord
+from gyrotest.procedures.scale_factor.parameters import FEWEST_RATES, rates_of_sign
+from gyrotest.procedures.scale_factor.turns import Turns
+from gyrotest.procedures.wording import plain, rate_text
+from gyrotest.records.plan import Context
+
+_MINUS = "\N{MINUS SIGN}"
+
+
+def turn_remarks(turns: Turns, context: Context) -> Iterator[str]:
+    """Give the remarks of one acquisition."""
+    yield from few_rates(tuple(float(one) for one in turns.rates_dps))
+    yield from dropped_samples((*turns.rest, *turns.turning))
+    if turns.fit.scale_factor.value * turns.scaling.scale_factor < 0.0:
+        yield "The scale factor has the opposite sign of the nominal one: the gyro or the table is inverted."
+    yield from _off_readings(turns, context)
+
+
+def few_rates(rates_dps: tuple[float, ...]) -> Iterator[str]:
+    """Say that there are fewer rates than the method asks for."""
+    forward, backward = rates_of_sign(rates_dps, 1), rates_of_sign(rates_dps, -1)
+    if min(forward, backward) < FEWEST_RATES:
+        yield (
+            f"Deviation: {forward} rates forward and {backward} backward; the method asks for at least"
+            f" {FEWEST_RATES} of each sign."
+        )
+
+
+def dropped_samples(records: tuple[DwellRecord, ...]) -> Iterator[str]:
+    """Say how many samples were outliers or are missing, where some were or are."""
+    dropped, missing = sum(one.dropped for one in records), sum(one.missing for one in records)
+    total = sum(one.dwell.samples for one in records)
+    if dropped:
+        steps = sum(one.dropped > 0 for one in records)
+        yield f"Outliers: {dropped} of {total} samples dropped, in {steps} of {len(records)} steps."
+    if missing:
+        yield f"{missing} of {total} samples are missing; the means are of the others."
+
+
+def _off_readings(turns: Turns, context: Context) -> Iterator[str]:
+    """Name the step whose read-back is farthest from its rate, where the table's accuracy does not explain it."""
+    table = context.table
+    if table is None or table.of_setting is None:
+        return
+    own, share = table.of_setting.to("deg/s"), table.of_reading.to("")
+    off = [
+        (abs(one.dwell.measured_rate_dps - one.rate_dps), one)
+        for one in turns.turning
+        if one.dwell.measured_rate_dps is not None
+        and abs(one.dwell.measured_rate_dps - one.rate_dps) > own + share * abs(one.rate_dps)
+    ]
+    if off:
+        largest, record = max(off, key=lambda pair: pair[0])
+        rate = plain(record.rate_dps, 6).replace("-", _MINUS)
+        yield (
+            f"The table's read-back is off by more than its accuracy in {len(off)} of {len(turns.turning)}"
+            f" steps, most at {rate} °/s, by {rate_text(largest)}; the rates asked for are used."
+        )

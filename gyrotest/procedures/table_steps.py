@@ -1,0 +1,101 @@
+"""Steps on a rate table: what cases of several procedures may be told of them, and what they refuse."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from gyrotest.analysis.step_noise import SHORTEST_STEP
+from gyrotest.procedures.dwells import OutlierRule
+from gyrotest.records.described import Described
+from gyrotest.records.plan import Step, Turning
+from gyrotest.records.spec import Case, Output
+from gyrotest.units import Dimension, OfDimension, Quantity
+
+_SETTLE = Quantity(2.0, "s")
+_TOLERANCE = Quantity(0.05, "deg/s")
+_FEWEST_MADS = 3.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TableParameters:
+    """How every step on the table is settled, and which of its samples count.
+
+    Procedures add their own: in a spec the keys stand side by side.
+    """
+
+    __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
+
+    settle: Annotated[
+        Quantity,
+        OfDimension(Dimension.TIME),
+        Described("time for which the table has held its rate before the first sample", "2 s"),
+    ] = _SETTLE
+    tolerance: Annotated[
+        Quantity,
+        OfDimension(Dimension.RATE),
+        Described("how far the table's read-back may be from the rate asked for", "0.05 deg/s"),
+    ] = _TOLERANCE
+    window: Annotated[
+        Quantity | None,
+        OfDimension(Dimension.NUMBER, Dimension.RATE),
+        Described(
+            "samples farther from the step's rate are outliers, in proportion to it or as a rate;"
+            " without it those far from the median are",
+            "10 %",
+        ),
+    ] = None
+    outlier_mads: Annotated[
+        float,
+        Described("so many median absolute deviations from the median a sample is an outlier", "7.5"),
+    ] = 7.5
+
+    @property
+    def rule(self) -> OutlierRule:
+        """Which samples count."""
+        return OutlierRule(window=self.window, mads=self.outlier_mads)
+
+    def step(self, name: str, rate_dps: float, samples: int, *, may_saturate: bool = False) -> Step:
+        """Return a step at a rate."""
+        turning = Turning(
+            rate_dps=rate_dps,
+            settle_s=self.settle.to("s"),
+            tolerance_dps=self.tolerance.to("deg/s"),
+        )
+        return Step(samples=samples, name=name, stimulus=turning, may_saturate=may_saturate)
+
+
+def table_complaints(
+    case: Case, parameters: TableParameters, output: Output
+) -> Iterator[tuple[str, str]]:
+    """Give what is wrong with a case on a rate table, whatever it measures: key and message."""
+    axes = case.axes or output.axes
+    if len(axes) > 1:
+        message = f"names {len(axes)} axes, and the table turns about one; name that, e.g. [{axes[-1]}]"
+        yield "axes", message
+    samples = step_samples(case)
+    if samples < SHORTEST_STEP:
+        shortest = SHORTEST_STEP * case.interval.to("s")
+        message = (
+            f"{samples} samples a step are too few for its mean's uncertainty; at least {shortest:g} s"
+        )
+        yield "duration", message
+    if parameters.settle.value < 0:
+        yield "parameters.settle", f"'{parameters.settle}' is less than zero"
+    for name, value in (("tolerance", parameters.tolerance), ("window", parameters.window)):
+        if value is not None and value.value <= 0:
+            yield f"parameters.{name}", f"'{value}' is not more than zero"
+    if not parameters.outlier_mads >= _FEWEST_MADS:
+        message = (
+            f"{parameters.outlier_mads:g} would drop samples of ordinary noise; at least 3, e.g. 7.5"
+        )
+        yield "parameters.outlier_mads", message
+
+
+def step_samples(case: Case) -> int:
+    """Return how many samples a step has: the case's duration is that of each step."""
+    return round(case.duration.to("s") / case.interval.to("s"))
+
+
+def warm_up_s(case: Case) -> float:
+    """Return the time from power-on to the first sample."""
+    return 0.0 if case.warm_up is None else case.warm_up.to("s")
