@@ -11,6 +11,7 @@ from matplotlib.path import Path
 
 from gyrotest.certificate.axes import fit, lay_scales, write_x_label, write_y_label
 from gyrotest.certificate.labels import write_texts
+from gyrotest.certificate.legend import legends
 from gyrotest.certificate.points import draw_points
 from gyrotest.certificate.style import BAND, BAR, POINTS, STROKES, WIDTHS, series_stroke, stroke_of
 from gyrotest.records.figure import Band, Bars, Curve, Figure, Panel, Role, Scale
@@ -23,7 +24,7 @@ _PANEL, _LOG_FACTOR, _BETWEEN = 96.0, 1.95, 9.0
 _FLOOR_SHOWN = 4.0  # of a noise floor far below the data, its highest part down to this factor is shown
 _BEHIND, _BEFORE = 2.0, 2.5
 _MARK = 4.4
-_LEVELS = {Role.LIMIT, Role.MEAN, Role.DATASHEET}
+_LEVELS = {Role.LIMIT, Role.MEAN, Role.GUIDE, Role.DATASHEET}
 _SERIES_BAND = 0.28  # opacity: bands of several records lie over one another
 
 
@@ -34,9 +35,9 @@ def drawing(figure: Figure) -> Paper:
         lay_scales(axes, figure.panels[0].x_scale, panel.y_scale)
         _draw_panel(axes, panel)
     fit(frames, [x for panel in figure.panels for points in panel.points for x in points.x])
-    for axes, panel in zip(frames, figure.panels, strict=True):
+    for axes, panel, entries in zip(frames, figure.panels, legends(figure), strict=True):
         write_y_label(axes, panel.y_label)
-        write_texts(axes, panel)
+        write_texts(axes, panel, entries)
     write_x_label(frames[-1], figure.panels[-1].x_label)
     return paper
 

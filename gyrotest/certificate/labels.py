@@ -1,7 +1,7 @@
 """The texts inside a plot: beside what they name, away from the curves and from each other."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import zip_longest
 from typing import TYPE_CHECKING
@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike, NDArray
 
-from gyrotest.certificate.legend import draw_legend, legend_entries, legend_size, size
+from gyrotest.certificate.legend import Entry, draw_legend, legend_size, size
 from gyrotest.certificate.style import FAINT, INK, stroke_of
 from gyrotest.records.figure import Mark, Panel, Role
 
@@ -26,10 +26,9 @@ _LEADER = 7.0  # from which distance on a mark is joined to its text
 _MARK = 2.5
 
 
-def write_texts(axes: "Axes", panel: Panel) -> None:
-    """Write the marks' texts, the names of curves and bands, and the note, each where there is room."""
+def write_texts(axes: "Axes", panel: Panel, entries: Sequence[Entry]) -> None:
+    """Write the marks' texts, the legend, the names of curves and bands, and the note, where there is room."""
     names = list(_names(axes, panel))
-    entries = legend_entries(panel)
     if not (panel.marks or panel.note or entries or any(name.text for name in names)):
         return
     marks = [axes.transData.transform((mark.x, mark.y)) for mark in panel.marks]

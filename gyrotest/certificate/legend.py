@@ -1,6 +1,6 @@
 """A legend: the names of curves and points under one another, each behind a piece of what it names."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,7 @@ from matplotlib.transforms import Affine2D
 
 from gyrotest.certificate.points import marker_line
 from gyrotest.certificate.style import FONT_SIZE, INK, POINTS, Marker, Stroke, marker_of, stroke_of
-from gyrotest.records.figure import Panel, Role
+from gyrotest.records.figure import Figure, Panel, Role
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,13 +30,25 @@ class Entry:
     sample: Stroke | Marker
 
 
-def legend_entries(panel: Panel) -> tuple[Entry, ...]:
-    """Return what a panel's legend names: points always, data curves where it asks for that."""
-    curves = [one for one in panel.curves if one.role is Role.DATA and one.label and panel.legend]
-    return (
-        *(Entry(one.label, stroke_of(one)) for one in curves),
-        *(Entry(one.label, marker_of(one.series)) for one in panel.points if one.label),
-    )
+def legends(figure: Figure) -> tuple[tuple[Entry, ...], ...]:
+    """Return what the legend of each panel names: points always, data curves where it asks for that.
+
+    What a panel above has named is not named again.
+    """
+    named: list[tuple[Entry, ...]] = []
+    for panel in figure.panels:
+        above = {entry for entries in named for entry in entries}
+        named.append(tuple(one for one in _entries(panel) if one not in above))
+    return tuple(named)
+
+
+def _entries(panel: Panel) -> Iterator[Entry]:
+    for curve in panel.curves:
+        if curve.role is Role.DATA and curve.label and panel.legend:
+            yield Entry(curve.label, stroke_of(curve))
+    for points in panel.points:
+        if points.label:
+            yield Entry(points.label, marker_of(points.series))
 
 
 def legend_size(entries: Sequence[Entry]) -> tuple[float, float]:

@@ -1,5 +1,6 @@
 """Single points: each series its own shape, bars of uncertainty, a frame and ticks that fit them."""
 
+import dataclasses
 import io
 import xml.etree.ElementTree as ET
 
@@ -103,6 +104,16 @@ def test_names_of_points_stand_in_a_legend_clear_of_points_and_limits() -> None:
     assert all(box.count_contains(places) == 0 for box in every)
     level = axes.transData.transform((0.0, 150.0))[1]
     assert not any(box.y0 < level < box.y1 for box in every)
+
+
+def test_a_panel_does_not_name_again_what_one_above_has_named() -> None:
+    figure = bench_records.residuals()
+    upper = figure.panels[0]
+    lower = dataclasses.replace(upper, points=(*upper.points, Points(x=(1.0,), y=(1.0,), label="rest")))
+    paper = drawn(dataclasses.replace(figure, panels=(upper, lower)))
+    texts = [[text.get_text() for text in axes.texts if text.get_text()] for axes in paper.axes]
+    assert {"forwards", "backwards"} <= set(texts[0])
+    assert set(texts[1]) == {"rest", "limit 150 ppm"}
 
 
 def test_points_of_two_series_on_one_place_are_both_seen() -> None:
