@@ -7,14 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrotest.analysis.noise_terms import Grid
-from gyrotest.analysis.step_noise import LikeSteps, StepNoise, mean_covariances, step_noise
+from gyrotest.analysis.step_noise import StepNoise, mean_covariances
 from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.bias_temperature_sensitivity.parameters import (
     TemperatureParameters,
     same_set_point,
 )
-from gyrotest.procedures.dwells import DwellRecord, dwell_records
+from gyrotest.procedures.dwells import DwellRecord, dwell_records, noise_of
 from gyrotest.procedures.earth import earth_share
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import Samples
@@ -77,7 +76,7 @@ def set_points(samples: Samples, context: Context, parameters: TemperatureParame
     records = dwell_records(samples, context)
     reader, record_degc = _temperatures(samples, context, records)
     set_degc = np.array([_demanded(one) for one in records])
-    noise = _noise(records, set_degc)
+    noise = noise_of(records, alike=_longest_alike(records, set_degc))
     share_dps = earth_share(context)
     record_bias = np.array([one.mean_rate_dps for one in records]) - (share_dps or 0.0)
     covariance, freedom = _covariance(records, noise)
@@ -129,23 +128,10 @@ def _merged(set_degc: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray
     return distinct, alike / alike.sum(axis=1, keepdims=True)
 
 
-def _noise(records: tuple[DwellRecord, ...], set_degc: NDArray[np.float64]) -> StepNoise:
-    """Fit the records' common noise; how far those at the room temperature lie apart tells of the slow one."""
-    sampling = records[0].sampling
-    grid = Grid(interval_s=sampling.interval_s, aperture_s=sampling.effective_aperture_s)
-    alike = _longest_alike(records, set_degc)
-    like = LikeSteps(
-        means=np.array([one.mean for one in alike]),
-        begins_s=np.array([one.begin_s for one in alike]),
-        durations_s=np.array([one.duration_s for one in alike]),
-    )
-    return step_noise([one.output for one in records], grid, like=like)
-
-
 def _longest_alike(
     records: tuple[DwellRecord, ...], set_degc: NDArray[np.float64]
 ) -> tuple[DwellRecord, ...]:
-    """Return the records of the set point that was visited most often."""
+    """Return the records of the set point that was visited most often; no temperature moves them apart."""
     groups = [
         tuple(one for one, at in zip(records, set_degc, strict=True) if same_set_point(at, here))
         for here in set_degc
