@@ -14,8 +14,14 @@ from gyrotest.simulation.peer import Making, Peer
 _CLASSES = {
     "34401a": "gyrotest.simulation.meter_peer:MeterPeer",
     "34465a": "gyrotest.simulation.meter_peer:MeterPeer",
+    "stim210": "gyrotest.simulation.stim_peer:StimPeer",
+    "stim300": "gyrotest.simulation.stim_peer:StimPeer",
     "acutrol3000": "gyrotest.simulation.table_peer:TablePeer",
     "aerosmith": "gyrotest.simulation.table_peer:TablePeer",
+    "34970a": "gyrotest.simulation.scanner_peer:ScannerPeer",
+    "34972a": "gyrotest.simulation.scanner_peer:ScannerPeer",
+    "daq970a": "gyrotest.simulation.scanner_peer:ScannerPeer",
+    "daq973a": "gyrotest.simulation.scanner_peer:ScannerPeer",
     "scpi_supply": "gyrotest.simulation.supply_peer:SupplyPeer",
     "scpi_chamber": "gyrotest.simulation.chamber_peer:ChamberPeer",
 }
