@@ -11,7 +11,7 @@ from gyrotest.errors import InstrumentError, InstrumentProtocolError
 from gyrotest.instruments.exchange import Exchange
 from gyrotest.instruments.identity import Expected, check_identity, parse_identity
 from gyrotest.instruments.motion import Envelope, max_acceleration_dps2, max_rate_dps
-from gyrotest.instruments.standstill import comes_to_rest, guard_for, start_guard
+from gyrotest.instruments.standstill import comes_to_rest, dismiss, guard_for, seen_at_rest, start_guard
 from gyrotest.instruments.transport.channel import Connect, SerialLine
 from gyrotest.instruments.transport.conversation import shown
 from gyrotest.instruments.transport.serial_port import open_commands_only
@@ -21,6 +21,7 @@ from gyrotest.records.recording import Identity
 from gyrotest.records.station import Motion
 
 _STATUS_BYTES = 8
+_TAKEN = b"OK"
 _MOST_AXES = 6
 # IEEE 488.2 11.2: bit 6 of the status byte is the master summary, set while something is wrong.
 _SUMMARY = 1 << 6
@@ -187,20 +188,19 @@ class Acutrol3000:
 
     def close(self) -> None:
         """At rest, drive off, interlock open, disconnected; idempotent, never raises."""
-        if self._exchange.is_open and self._enabled:
-            self._switch_off()
+        at_rest = not self._enabled or self._switched_off()
         self._exchange.close()
-        if self._guard is not None:
-            self._guard.release()
+        dismiss(self._guard, at_rest=at_rest)
 
-    def _switch_off(self) -> None:
+    def _switched_off(self) -> bool:
+        """Stop, and switch off; whether the table was seen at rest."""
         self.stop()
-        with contextlib.suppress(InstrumentError):
-            comes_to_rest(self._clock, self._motion, self._plain_rate_dps)
+        at_rest = seen_at_rest(self._clock, self._motion, self._plain_rate_dps)
         for command in (f":Mode:Off {self._axis}", f":Interlock:Open {self._axis}"):
             with contextlib.suppress(InstrumentError):
                 self._command(command)
         self._enabled = False
+        return at_rest
 
     def _demand(self, mode: str, value: float) -> None:
         for command in self._demanding(mode, value):
@@ -278,7 +278,9 @@ class Acutrol3000:
     def _ask(self, query: str) -> str:
         if self._answers:
             sent = query.replace("?", "", 1) if query.startswith(":Read") else query
-            reply = self._exchange.packet(sent, self._end, least=(self._prefix_bytes or 0) + 1)
+            reply = self._exchange.packet(
+                sent, self._end, least=(self._prefix_bytes or 0) + 1, whole=_TAKEN
+            )
         else:
             reply = self._exchange.until(query, self._end, reply_end=b"\n")
         return reply[self._prefix_bytes :].decode("ascii", "replace").strip()
@@ -287,7 +289,7 @@ class Acutrol3000:
         """Send a command and see that it was taken, which also waits until it was; raises `InstrumentError`."""
         if self._answers:
             reply = self._ask(command)
-            if reply != "OK":
+            if reply != _TAKEN.decode():
                 self._refuse_refusal(command, reply)
                 raise InstrumentProtocolError(
                     f"{self._exchange.who}: {command} is answered with {shown(reply.encode())}, expected OK; are"

@@ -10,7 +10,7 @@ from gyrotest.errors import InstrumentError, InstrumentProtocolError
 from gyrotest.instruments.exchange import Exchange
 from gyrotest.instruments.identity import Expected, check_identity, parse_identity
 from gyrotest.instruments.motion import Envelope, Progress, max_acceleration_dps2
-from gyrotest.instruments.standstill import comes_to_rest, guard_for, start_guard
+from gyrotest.instruments.standstill import comes_to_rest, dismiss, guard_for, seen_at_rest, start_guard
 from gyrotest.instruments.transport.channel import Connect, SerialLine
 from gyrotest.instruments.transport.conversation import shown
 from gyrotest.instruments.transport.serial_port import open_commands_only
@@ -171,16 +171,18 @@ class Aerosmith:
 
     def close(self) -> None:
         """At rest, drive off, disconnected; idempotent, never raises."""
-        if self._exchange.is_open and self._enabled:
-            self.stop()
-            with contextlib.suppress(InstrumentError):
-                comes_to_rest(self._clock, self._motion, self.rate_dps)
-            with contextlib.suppress(InstrumentError):
-                self._command("SRV0")
-            self._enabled = False
+        at_rest = not self._enabled or self._switched_off()
         self._exchange.close()
-        if self._guard is not None:
-            self._guard.release()
+        dismiss(self._guard, at_rest=at_rest)
+
+    def _switched_off(self) -> bool:
+        """Stop, and switch off; whether the table was seen at rest."""
+        self.stop()
+        at_rest = seen_at_rest(self._clock, self._motion, self.rate_dps)
+        with contextlib.suppress(InstrumentError):
+            self._command("SRV0")
+        self._enabled = False
+        return at_rest
 
     def _set(self, rate_dps: float) -> None:
         self._command(f"JOG{_text(rate_dps)}" if rate_dps else "STO")

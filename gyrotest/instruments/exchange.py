@@ -74,14 +74,17 @@ class Exchange:
                 self._refuse_endless(command, reply)
             return bytes(reply)
 
-    def packet(self, command: str, end: bytes, *, least: int) -> bytes:
-        """Send, and return a reply of so many bytes or more, which has no end of its own."""
+    def packet(self, command: str, end: bytes, *, least: int, whole: bytes) -> bytes:
+        """Send, and return a reply of so many bytes or more, which has no end of its own.
+
+        A reply that ends with `whole`, or with a line feed, is known to be complete.
+        """
         with self._lock, self._told(command):
             self._send_after_silence(command, end)
             channel = self._connected()
             reply = bytearray(channel.receive_exactly(least, self._timeout_s))
             with contextlib.suppress(TimeoutError):
-                while not reply.endswith(b"\n"):
+                while not reply.endswith((b"\n", whole)):
                     reply += channel.receive_exactly(1, _QUIET_S)
                     self._refuse_endless(command, reply)
             return bytes(reply)

@@ -23,7 +23,7 @@ _PATIENCE_S = 10.0
 _PAUSE_S = 0.25
 _CONNECT_S = 2.0
 _REPLY_S = 0.3
-_WAIT_AT_EXIT_S = 5.0
+_WAIT_AT_EXIT_S = _PATIENCE_S + 5.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,9 +64,13 @@ class Guard:
 
     def release(self) -> None:
         """The table is at rest: the guard is not needed any more. Never raises."""
+        self._tell(_ALL_IS_WELL)
+        self.call()
+
+    def call(self) -> None:
+        """Let the guard stop the table now, since it is not known whether it rests. Never raises."""
         if self._process is None:
             return
-        self._tell(_ALL_IS_WELL)
         with contextlib.suppress(OSError):
             if self._process.stdin is not None:
                 self._process.stdin.close()

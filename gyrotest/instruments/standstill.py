@@ -1,5 +1,6 @@
 """A rate table is never left turning: waiting until it rests, and the guard that outlives the run."""
 
+import contextlib
 import logging
 import re
 from collections.abc import Callable
@@ -60,3 +61,20 @@ def comes_to_rest(clock: Clock, motion: Motion, rate_dps: Callable[[], float]) -
         clock.sleep_until(clock.now_s() + _POLL_S)
         now_dps = abs(rate_dps())
     return now_dps <= AT_REST_DPS
+
+
+def seen_at_rest(clock: Clock, motion: Motion, rate_dps: Callable[[], float]) -> bool:
+    """Wait until the table rests; whether it was seen to. Never raises."""
+    with contextlib.suppress(InstrumentError):
+        return comes_to_rest(clock, motion, rate_dps)
+    return False
+
+
+def dismiss(guard: Guard | None, *, at_rest: bool) -> None:
+    """The connection is closed: the guard may go, or has to do what could not be done over it. Never raises."""
+    if guard is None:
+        return
+    if at_rest:
+        guard.release()
+    else:
+        guard.call()

@@ -9,9 +9,13 @@ import time
 
 import pytest
 
+from gyrotest.errors import InstrumentError
+from gyrotest.instruments.acutrol3000 import Acutrol3000, Acutrol3000Settings
 from gyrotest.instruments.guard import Guard, Orders, stop_table
+from gyrotest.instruments.transport.channel import Channel, SerialLine
+from gyrotest.instruments.transport.serial_port import open_commands_only
 from gyrotest.simulation.server import has_pty
-from tests.instruments.table_bench import served
+from tests.instruments.table_bench import motion, served
 
 needs_pty = pytest.mark.skipif(not has_pty(), reason="this platform has no pseudo-terminals")
 # Long enough that a test which waits for it is noticed.
@@ -62,6 +66,45 @@ def test_a_killed_run_leaves_the_table_at_rest(kind: str, pty: bool) -> None:
         assert bench.table.wait_until(lambda: bench.table.demanded_dps == 0.0, MOST_S)
         bench.wait(2.0)
         assert bench.table.read_rate_dps() == pytest.approx(0.0, abs=0.01)
+
+
+class Cut:
+    """A way to the controller that breaks when it is told to."""
+
+    def __init__(self) -> None:
+        self.broken = False
+
+    def connect(self, resource: str, line: SerialLine, timeout_s: float) -> Channel:
+        channel = open_commands_only(resource, line, timeout_s)
+        send = channel.send
+
+        def send_or_break(data: bytes) -> None:
+            if self.broken:
+                raise ConnectionResetError("reset by peer")
+            send(data)
+
+        channel.send = send_or_break  # type: ignore[method-assign]
+        return channel
+
+
+def test_a_table_whose_connection_broke_is_stopped_over_another_one() -> None:
+    cut = Cut()
+    with served("plain") as bench:
+        settings = Acutrol3000Settings()
+        table = Acutrol3000(
+            bench.address, settings, clock=bench.clock, motion=motion(), connect=cut.connect
+        )
+        table.open()
+        table.enable()
+        table.set_rate(50.0)
+        bench.wait(2.0)
+        cut.broken = True
+        with pytest.raises(
+            InstrumentError, match=r"connection lost at .* see that the table is at rest"
+        ):
+            table.rate_dps()
+        table.close()
+        assert bench.table.wait_until(lambda: bench.table.demanded_dps == 0.0, MOST_S)
 
 
 def test_a_guard_that_hears_that_all_is_well_commands_nothing() -> None:
