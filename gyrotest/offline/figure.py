@@ -13,8 +13,8 @@ from gyrotest.procedures.allan_curves import (
     deviation_curve,
     fitted_curve,
 )
+from gyrotest.procedures.drawn_units import Unit, rate_unit
 from gyrotest.procedures.static.terms import ANGLE_WALK, TERMS, Term
-from gyrotest.procedures.static.time_figures import Unit, rate_unit
 from gyrotest.procedures.wording import plain
 from gyrotest.records.figure import Curve, Figure, Mark, Panel, Role, Scale
 from gyrotest.units import Quantity, printed_unit

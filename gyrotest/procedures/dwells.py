@@ -132,7 +132,7 @@ def dwell_records(
     """
     if not context.dwells:
         raise InsufficientDataError(f"{context.case_name}: the recording has no dwells")
-    places = _places(samples, context)
+    places = sample_places(samples, context)
     scaling = output_scaling(context.output, samples.sampling.unit)
     cuts = [_cut(samples, places, dwell) for dwell in context.dwells]
     for cut in cuts:
@@ -164,7 +164,7 @@ def noise_of(
     return step_noise([one.output for one in records], grid, like=like)
 
 
-def _places(samples: Samples, context: Context) -> NDArray[np.int64]:
+def sample_places(samples: Samples, context: Context) -> NDArray[np.int64]:
     """Return each sample's position on the acquisition's grid."""
     if samples.index is not None:
         return samples.index

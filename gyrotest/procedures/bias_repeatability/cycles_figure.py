@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from gyrotest.analysis.repeatability import Repeatability
-from gyrotest.procedures.static.time_figures import rate_unit
+from gyrotest.procedures.drawn_units import rate_unit
 from gyrotest.procedures.wording import plain
 from gyrotest.records.figure import Curve, Figure, Panel, Points, Role
 from gyrotest.records.plan import Context

@@ -24,6 +24,7 @@ from gyrotest.procedures.bias_temperature_sensitivity.set_points import (
     difference_uncertainty,
     set_points,
 )
+from gyrotest.procedures.step_table import dropped_samples
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context, Plan, Reduction
 from gyrotest.records.recording import Samples
@@ -74,22 +75,13 @@ class BiasTemperatureSensitivity:
         return Reduction(
             results=results,
             figures=(temperature_figure(points, worst, line, context),),
-            remarks=(*_outliers(points), *_returns(points)),
+            remarks=(*dropped_samples(points.records), *_returns(points)),
         )
 
     def reduce_repeats(self, repeats: tuple[tuple[Result, ...], ...], context: Context) -> Reduction:
         """Return nothing: each repeat stands for itself."""
         del repeats, context
         return Reduction(results=())
-
-
-def _outliers(points: SetPoints) -> Iterator[str]:
-    """Say how many samples were left out."""
-    dropped, missing = (
-        sum(getattr(one, name) for one in points.records) for name in ("dropped", "missing")
-    )
-    if dropped or missing:
-        yield f"{dropped} samples dropped as outliers, {missing} missing."
 
 
 def _returns(points: SetPoints) -> Iterator[str]:

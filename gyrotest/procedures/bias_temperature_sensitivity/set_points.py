@@ -13,8 +13,9 @@ from gyrotest.procedures.bias_temperature_sensitivity.parameters import (
     TemperatureParameters,
     same_set_point,
 )
-from gyrotest.procedures.dwells import DwellRecord, dwell_records, noise_of
+from gyrotest.procedures.dwells import DwellRecord, dwell_records, noise_of, sample_places
 from gyrotest.procedures.earth import earth_share
+from gyrotest.procedures.table_steps import rounding_covariance
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import Samples
 from gyrotest.units import same_dimension
@@ -144,7 +145,7 @@ def _covariance(records: tuple[DwellRecord, ...], noise: StepNoise) -> tuple[NDA
     begins = np.array([one.begin_s for one in records])
     durations = np.array([one.duration_s for one in records])
     per_square = mean_covariances(begins, durations)
-    covariance = np.tensordot(noise.prudent_squares, per_square, axes=1)
+    covariance = np.tensordot(noise.prudent_squares, per_square, axes=1) + rounding_covariance(records)
     first_to_last = (
         per_square[:, 0, 0] + per_square[:, -1, -1] - per_square[:, 0, -1] - per_square[:, -1, 0]
     )
@@ -180,9 +181,9 @@ def _sensor_column(samples: Samples, axis: str) -> int | None:
 def _parts(samples: Samples, context: Context, column: int) -> Iterator[NDArray[np.float64]]:
     """Give a column's samples of each dwell that are numbers."""
     values = samples.values[:, column]
-    index = np.arange(values.size) if samples.index is None else samples.index
+    places = sample_places(samples, context)
     for dwell in context.dwells:
-        start, stop = np.searchsorted(index, (dwell.first, dwell.first + dwell.samples))
+        start, stop = np.searchsorted(places, (dwell.first, dwell.first + dwell.samples))
         part = values[start:stop]
         found = part[np.isfinite(part)]
         if not found.size:

@@ -11,12 +11,12 @@ from gyrotest.procedures.allan_curves import (
     deviation_curve,
     fitted_curve,
 )
+from gyrotest.procedures.drawn_units import Unit, rate_unit
 from gyrotest.procedures.static.allan_lines import Lines, floor_walk
 from gyrotest.procedures.static.noise_results import DPH, NoiseAnalysis, duty_note
 from gyrotest.procedures.static.record import StaticRecord
 from gyrotest.procedures.static.terms import ANGLE_WALK, TERMS
 from gyrotest.procedures.static.terms_table import terms_table
-from gyrotest.procedures.static.time_figures import Unit, rate_unit
 from gyrotest.procedures.wording import plain
 from gyrotest.records.figure import Curve, Figure, Mark, Panel, Role, Scale
 from gyrotest.records.plan import Context

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrotest.analysis.allan import FLAT
+from gyrotest.procedures.drawn_units import Unit
 from gyrotest.procedures.static.noise_results import NoiseAnalysis
 from gyrotest.procedures.static.record import StaticRecord
 from gyrotest.procedures.static.terms import ANGLE_WALK, BIAS_INSTABILITY, TERMS, Term
-from gyrotest.procedures.static.time_figures import Unit
 from gyrotest.procedures.wording import plain
 from gyrotest.records.figure import Curve, Role
 from gyrotest.units import Quantity, printed_unit

@@ -6,13 +6,12 @@ from gyrotest.analysis.mean import mean_uncertainty
 from gyrotest.analysis.noise import NoiseModel
 from gyrotest.analysis.resolution import mean_half_width
 from gyrotest.procedures.earth import of_earth
+from gyrotest.procedures.meter import meter_contributions, missing_of_meter
 from gyrotest.procedures.static.record import StaticRecord
 from gyrotest.procedures.uncertainty import by_statistics, rectangular
-from gyrotest.procedures.wording import engineering, plain, rate_text
+from gyrotest.procedures.wording import plain, rate_text
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Contribution
-from gyrotest.records.spec import OutputKind
-from gyrotest.units import Quantity, printed_unit
 
 _MATTERS = 1.7e-3
 """Half a step over the noise, below which it adds nothing to it."""
@@ -25,7 +24,13 @@ def bias_budget(
     first = _statistical(record, model, context)
     return (
         first,
-        *_of_meter(mean_dps, record, context),
+        *meter_contributions(
+            context,
+            record.sampling,
+            record.scaling,
+            slope=record.scaling.scale_factor,
+            indication=mean_dps * record.scaling.scale_factor + record.scaling.zero,
+        ),
         *_of_steps(record, first.standard_uncertainty),
         *_of_scale_factor(mean_dps, context),
         of_earth(share_dps),
@@ -34,11 +39,7 @@ def bias_budget(
 
 def missing_contributions(record: StaticRecord, context: Context) -> Iterator[str]:
     """Give what could not be had of the budget of a bias."""
-    accuracy = context.accuracy
-    if context.output.kind is OutputKind.VOLTAGE and accuracy is None:
-        yield "accuracy of the meter"
-    elif accuracy is not None and record.sampling.range is None and accuracy.of_range.value != 0.0:
-        yield "accuracy of the meter's range (range not known)"
+    yield from missing_of_meter(context, record.sampling)
     if context.output.scale_factor_uncertainty is None:
         yield "uncertainty of the scale factor"
     if context.since_power_on_s is None:
@@ -56,32 +57,6 @@ def _statistical(record: StaticRecord, model: NoiseModel, context: Context) -> C
         f"noise and drift over {plain(record.duration_s, 6)} s",
         found.standard_uncertainty_dps,
         found.degrees_of_freedom,
-    )
-
-
-def _of_meter(mean_dps: float, record: StaticRecord, context: Context) -> Iterator[Contribution]:
-    """Give the meter's accuracy at the indication that was there."""
-    scaling, accuracy = record.scaling, context.accuracy
-    if accuracy is None:
-        return
-    indication = abs(mean_dps * scaling.scale_factor + scaling.zero)
-    yield _of_indication("reading", accuracy.of_reading, indication, record)
-    if record.sampling.range is not None:
-        yield _of_indication(
-            "range", accuracy.of_range, record.sampling.range * scaling.to_canonical, record
-        )
-
-
-def _of_indication(what: str, share: Quantity, of: float, record: StaticRecord) -> Contribution:
-    scaling = record.scaling
-    half_width = share.to("") * abs(of)
-    slope = abs(1.0 / scaling.scale_factor)
-    unit = "" if scaling.unit == "deg/s" else f" (°/s)/{printed_unit(scaling.unit)}"
-    return rectangular(
-        f"meter, {share} of {what}",
-        rate_text(half_width) if scaling.unit == "deg/s" else engineering(half_width, scaling.unit),
-        f"{plain(slope, 4)}{unit}",
-        half_width * slope,
     )
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gyrotest.procedures.drawn_units import Unit, rate_unit, time_unit
 from gyrotest.procedures.static.record import StaticRecord
 from gyrotest.procedures.wording import engineering, plain
 from gyrotest.records.figure import Band, Bars, Curve, Figure, Panel, Role, Width
@@ -16,15 +17,6 @@ _HISTOGRAM_BINS = 36
 _MEANS_HEIGHT = 0.7
 _HISTOGRAM_HEIGHT = 1.79  # that of the record's panels and the space between them
 _BLOCK = 65536
-_SMALL_RATE_DPS = 0.5
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Unit:
-    """A unit to draw in: how many of them make 1 °/s, or 1 s."""
-
-    name: str
-    factor: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,22 +27,6 @@ class _Bins:
     lowest: NDArray[np.float64]
     highest: NDArray[np.float64]
     mean: NDArray[np.float64]
-
-
-def rate_unit(largest_dps: float) -> Unit:
-    """Return °/h for small rates, °/s for others."""
-    if largest_dps < _SMALL_RATE_DPS:
-        return Unit(name="°/h", factor=3600.0)
-    return Unit(name="°/s", factor=1.0)
-
-
-def time_unit(duration_s: float) -> Unit:
-    """Return the unit in which a duration is a number of ordinary size."""
-    if duration_s <= 300.0:
-        return Unit(name="s", factor=1.0)
-    if duration_s <= 4.0 * 3600.0:
-        return Unit(name="min", factor=1.0 / 60.0)
-    return Unit(name="h", factor=1.0 / 3600.0)
 
 
 def record_figure(record: StaticRecord) -> Figure:
