@@ -115,14 +115,15 @@ def _records(record: ReferenceRecord) -> Figure:
     """Draw both records over time, with the gaps open."""
     outputs, fit = record.outputs, record.fit
     rate = (outputs.values - fit.intercept) / fit.slope
-    missing = f", {outputs.missing} missing in {outputs.gaps} gaps" if outputs.gaps else ""
+    gaps = f"{outputs.gaps} gap{'s' * (outputs.gaps > 1)}"
+    missing = f", {outputs.missing} missing in {gaps}" if outputs.gaps else ""
     return Figure(
         name="record",
         title="Reference and output over time",
         panels=(
             Panel(
                 y_label="Reference / (°/s)",
-                curves=stretches(outputs, record.reference_dps, role=Role.GUIDE, most=_MOST_POINTS),
+                curves=stretches(outputs, record.reference_dps, role=Role.DATA, most=_MOST_POINTS),
             ),
             Panel(
                 y_label="Output / (°/s)",

@@ -80,13 +80,9 @@ class ScaleFactorTurn:
         turned = _Turned(outputs=outputs, parts=parts, found=found, angle_deg=parameters.angle.to("deg"))
         _refuse_lifeless(turned, context)
         refuse_clipped_turn(outputs, parts, found.rest_level, context)
-        results = (
-            _scale_factor(turned, parameters, context),
-            _bias(turned, context),
-            _difference(turned),
-        )
+        scale_factor = _scale_factor(turned, parameters, context)
         return Reduction(
-            results=tuple(one for one in results if one is not None),
+            results=(scale_factor, _bias(turned, scale_factor, context), _difference(turned)),
             figures=(turn_figure(outputs, parts, found, turned.slope, turned.angle_deg),),
             remarks=(
                 *sign_remarks(turned.slope, context, against="the sign given to the turn"),
@@ -166,7 +162,7 @@ def _scale_factor(turned: _Turned, parameters: TurnParameters, context: Context)
         slope,
         budget,
         turned.outputs,
-        condition=f"turn by {parameters.angle} in {plain(found.lasts_s, 4)} s, at most"
+        condition=f"turn by {plain(turned.angle_deg, 6)}° in {plain(found.lasts_s, 4)} s, at most"
         f" {rate_text(turned.peak_dps, 3)}".replace("-", _MINUS),
         not_included=(
             *(("angle of the turn",) if parameters.angle_uncertainty is None else ()),
@@ -191,13 +187,15 @@ def _of_angle(turned: _Turned, parameters: TurnParameters) -> Iterator[Contribut
         yield rectangular("angle of the turn", str(half), plain(size, 3), size * half.to("deg"))
 
 
-def _bias(turned: _Turned, context: Context) -> Result:
+def _bias(turned: _Turned, scale_factor: Result, context: Context) -> Result:
     """Return the output at rest as a rate, less the Earth's share."""
     found, slope = turned.found, turned.slope
+    of_slope = (scale_factor.expanded_uncertainty or 0.0) / (scale_factor.coverage_factor or 1.0)
     share_dps = earth_share(context)
     level_dps = found.rest_level / slope
     budget = (
         by_statistics("noise at rest", found.rest_level_uncertainty / abs(slope), found.rest_freedom),
+        by_statistics("scale factor, as found", abs(level_dps / slope) * of_slope),
         of_earth(share_dps),
     )
     total = expanded(budget)
@@ -210,7 +208,7 @@ def _bias(turned: _Turned, context: Context) -> Result:
         coverage_factor=total.factor,
         condition=f"between the rests; {earth_words(share_dps)}",
         budget=budget,
-        not_included=("uncertainty of the scale factor", *missing_of_meter(context)),
+        not_included=scale_factor.not_included,
     )
 
 
