@@ -5,6 +5,8 @@ from gyrotest.simulation.occasion import Occasion
 from gyrotest.simulation.surroundings import Carriage, Surroundings
 from gyrotest.simulation.unit import Dice, GyroParameters, PowerOn, PowerOns, draw_axis
 
+_RUNS_S = 60.0
+
 
 class Housed:
     """A unit's axes and what acts on them, from the moment on at which a record begins."""
@@ -25,8 +27,14 @@ class Housed:
         self.surroundings = surroundings
         self.occasion = occasion
         self.begun_s = now_s
-        self.planned = PowerOn(cycle=occasion.power_cycle, on_s=now_s - occasion.elapsed_s)
-        self._power_ons = PowerOns(self.planned, surroundings.power)
+        power = surroundings.power
+        on_s = now_s - occasion.elapsed_s
+        if occasion.duration_s == 0.0:
+            # Put into its place: it runs for a while already, or since its supply was switched on.
+            since_s = power.on_since_s if power is not None else None
+            on_s = now_s - _RUNS_S if since_s is None else since_s
+        self.planned = PowerOn(cycle=occasion.power_cycle, on_s=on_s)
+        self._power_ons = PowerOns(self.planned, power)
         self.elements = tuple(
             Element(draw_axis(name, gyro, dice, inverted=inverted), gyro, carriage, dice)
             for name, carriage in zip(gyro.axes, carriages, strict=True)

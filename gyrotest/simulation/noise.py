@@ -36,11 +36,12 @@ class NoiseDensities:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Step:
+class Step:
     """Coefficients of one gap followed by one aperture.
 
     With the state `x` before the gap and normals `z` (one a process, and one more):
     mean = `from_state · x + from_drive · z[:n] + rest · z[n]`, then `x ← decay x + drive z[:n]`.
+    `rests` are the variances that make up `rest²`, one a process.
     """
 
     decay: NDArray[np.float64]
@@ -48,6 +49,18 @@ class _Step:
     from_state: NDArray[np.float64]
     from_drive: NDArray[np.float64]
     rest: float
+    rests: NDArray[np.float64]
+
+    def of(self, places: NDArray[np.intp]) -> "Step":
+        """The same for some of the processes alone."""
+        return Step(
+            decay=self.decay[places],
+            drive=self.drive[places],
+            from_state=self.from_state[places],
+            from_drive=self.from_drive[places],
+            rest=math.sqrt(max(0.0, float(np.sum(self.rests[places])))),
+            rests=self.rests[places],
+        )
 
 
 class RateNoise:
@@ -56,11 +69,11 @@ class RateNoise:
     def __init__(
         self, densities: NoiseDensities, normals: Normals, *, since_power_on_s: float, start_s: float
     ) -> None:
-        self._tau_s, self._variance = _processes(densities)
+        self._tau_s, self._variance = processes(densities)
         self._rate_random_walk = densities.rate_random_walk_dps_per_sqrt_s
         self._normals = normals
         self._width = self._tau_s.size + 1
-        self._steps: dict[tuple[float, float], _Step] = {}
+        self._steps: dict[tuple[float, float], Step] = {}
         self._at_s = start_s
         self._state = np.zeros(self._width)
         self._state = self._gap_spread(since_power_on_s) * normals.take(self._width)
@@ -90,7 +103,7 @@ class RateNoise:
         self._at_s = start_s + (count - 1) * spacing_s + aperture_s
         return means
 
-    def _chunk(self, step: _Step, count: int) -> NDArray[np.float64]:
+    def _chunk(self, step: Step, count: int) -> NDArray[np.float64]:
         """Means over equal steps: the recursion of the state as a scan in log₂(count) passes."""
         normals = self._normals.take(count * (self._width + 1)).reshape(count, -1)
         drive = normals[:, :-1]
@@ -106,7 +119,13 @@ class RateNoise:
             before @ step.from_state + drive @ step.from_drive + step.rest * normals[:, -1]
         )
 
-    def _step(self, gap_s: float, aperture_s: float) -> _Step:
+    @classmethod
+    def step(cls, densities: NoiseDensities, gap_s: float, aperture_s: float) -> Step:
+        """The coefficients of one gap followed by one aperture, of all processes in their order."""
+        nothing = Normals(np.random.default_rng(0))
+        return cls(densities, nothing, since_power_on_s=0.0, start_s=0.0)._new_step(gap_s, aperture_s)
+
+    def _step(self, gap_s: float, aperture_s: float) -> Step:
         key = (round(gap_s, 9), round(aperture_s, 9))
         step = self._steps.get(key)
         if step is None:
@@ -120,7 +139,7 @@ class RateNoise:
         fast = self._variance * -np.expm1(-2.0 * gap_s / self._tau_s)
         return np.asarray(np.sqrt(np.append(fast, self._rate_random_walk**2 * gap_s)), dtype=np.float64)
 
-    def _new_step(self, gap_s: float, aperture_s: float) -> _Step:
+    def _new_step(self, gap_s: float, aperture_s: float) -> Step:
         if gap_s < 0.0 or aperture_s <= 0.0:
             raise ValueError(f"aperture of {aperture_s} s, {gap_s} s after the last one ended")
         gap_decay = np.append(np.exp(-gap_s / self._tau_s), 1.0)
@@ -140,16 +159,17 @@ class RateNoise:
         total_mean = share**2 * gap_variance + mean_variance
         drive = np.sqrt(total_end)
         from_drive = np.divide(total_covariance, drive, out=np.zeros_like(drive), where=drive > 0.0)
-        return _Step(
+        return Step(
             decay=gap_decay * decay,
             drive=drive,
             from_state=gap_decay * share,
             from_drive=from_drive,
             rest=math.sqrt(max(0.0, float(np.sum(total_mean - from_drive**2)))),
+            rests=total_mean - from_drive**2,
         )
 
 
-def _processes(densities: NoiseDensities) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def processes(densities: NoiseDensities) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Time constants, s, and variances, (deg/s)², of the Ornstein–Uhlenbeck processes."""
     bandwidth = densities.bandwidth_hz
     corners = bandwidth / _FLICKER_RATIO ** np.arange(

@@ -3,6 +3,7 @@
 from typing import Protocol, runtime_checkable
 
 from gyrotest.simulation.housed import Housed
+from gyrotest.simulation.outlet import Outlet
 
 
 @runtime_checkable
@@ -11,3 +12,6 @@ class Streaming(Protocol):
 
     def house(self, housed: Housed) -> None:
         """Be this unit from now on, for its next record."""
+
+    def transmit(self, now_s: float, outlet: Outlet) -> None:
+        """Answer what was asked, and send all that is due by now."""

@@ -68,8 +68,13 @@ class Surroundings:
     @property
     def quiet(self) -> bool:
         """Whether nothing but the Earth acts on the unit, and nobody switches its power."""
+        return self.still and not self._powered
+
+    @property
+    def still(self) -> bool:
+        """Whether nothing but the Earth acts on the unit, whoever switches its power."""
         slot, peers = self._slot, self._peers
-        return not (self._powered or slot.table in peers or slot.chamber in peers)
+        return not (slot.table in peers or slot.chamber in peers)
 
     def acting(self, starts_s: NDArray[np.float64], aperture_s: float) -> Acting:
         """What acts during apertures that begin at these times."""

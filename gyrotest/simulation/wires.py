@@ -7,9 +7,12 @@ from gyrotest.ports import Clock
 from gyrotest.simulation.dialogue import Dialogue
 from gyrotest.simulation.figures import fault
 from gyrotest.simulation.meter_state import Interface
+from gyrotest.simulation.outlet import Outlet, PtyOutlet, TcpOutlet
 from gyrotest.simulation.peer import Addressed, Peer, Talking
 from gyrotest.simulation.prologix import PrologixDialogue
+from gyrotest.simulation.pump import Pump
 from gyrotest.simulation.server import PtyServer, Server, TcpServer, has_pty
+from gyrotest.simulation.streaming import Streaming
 
 _GPIB_ADDRESS = 22
 _WAYS = ("", ":tcp", ":pty", ":prologix", ":prologix-pty")
@@ -29,6 +32,8 @@ class Wires:
         check_way(name, resource)
         if way.startswith(":prologix"):
             return self._adapted(name, peer, pty=way.endswith("-pty"))
+        if isinstance(peer, Streaming):
+            return self._stream(peer, way)
         if not isinstance(peer, Talking):
             raise StationError(
                 [fault(f"instruments.{name}.resource", f"'{resource}': nothing to serve")]
@@ -36,6 +41,12 @@ class Wires:
         if way == ":pty":
             return f"ASRL{self._pty(lambda: peer.dialogue(Interface.SERIAL))}::INSTR"
         return f"TCPIP::127.0.0.1::{self._tcp(lambda: peer.dialogue(Interface.SOCKET))}::SOCKET"
+
+    def _stream(self, peer: Streaming, way: str) -> str:
+        """A line on which the peer sends by itself."""
+        outlet: Outlet = PtyOutlet() if way == ":pty" else TcpOutlet()
+        self._servers.append(Pump(peer.transmit, outlet, self._clock))
+        return outlet.address
 
     def _adapted(self, name: str, peer: Peer, *, pty: bool) -> str:
         """The interface and the instrument behind it, separated by a blank."""

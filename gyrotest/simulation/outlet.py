@@ -1,0 +1,172 @@
+"""Where a simulated instrument that sends by itself is plugged in: a TCP port or a pseudo-terminal.
+
+Nothing here waits. What nobody takes in time is lost, as on a serial line.
+"""
+
+import contextlib
+import os
+import socket
+import struct
+from typing import Protocol
+
+_CHUNK = 65_536
+# A pseudo-terminal holds some 20 kB, a connection over the loopback some megabytes.
+_PTY_HOLDS = 16_384
+_TCP_HOLDS = 1 << 20
+
+
+class Outlet(Protocol):
+    """A line to whoever reads it."""
+
+    @property
+    def address(self) -> str:
+        """The VISA address of the line's other end."""
+
+    @property
+    def room(self) -> int:
+        """Bytes that may be sent now: so many that the line is half full at most; 0 where nobody listens."""
+
+    def receive(self) -> bytes:
+        """What came from the other end."""
+
+    def send(self, data: bytes) -> None:
+        """Send what the line takes."""
+
+    def unplug(self) -> None:
+        """Be gone, without a word."""
+
+    def close(self) -> None:
+        """Be gone for good; idempotent."""
+
+
+class TcpOutlet:
+    """A port on 127.0.0.1 with one connection at a time, the last one."""
+
+    def __init__(self, port: int = 0) -> None:
+        self._listener: socket.socket | None = socket.create_server(("127.0.0.1", port))
+        self._listener.setblocking(False)
+        self._address = f"TCPIP::127.0.0.1::{self._listener.getsockname()[1]}::SOCKET"
+        self._connection: socket.socket | None = None
+
+    @property
+    def address(self) -> str:
+        """The VISA address of the line's other end."""
+        return self._address
+
+    @property
+    def room(self) -> int:
+        """Bytes that may be sent now."""
+        return _TCP_HOLDS // 2 if self._connection is not None else 0
+
+    def receive(self) -> bytes:
+        """What came from the other end; a new connection takes the place of the last one."""
+        self._accept()
+        if self._connection is None:
+            return b""
+        try:
+            data = self._connection.recv(_CHUNK)
+        except BlockingIOError:
+            return b""
+        except OSError:
+            data = b""
+        if not data:
+            self._drop()
+        return data
+
+    def _accept(self) -> None:
+        if self._listener is None:
+            return
+        with contextlib.suppress(OSError):
+            connection, _ = self._listener.accept()
+            self._drop()
+            connection.setblocking(False)
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _TCP_HOLDS)
+            self._connection = connection
+
+    def send(self, data: bytes) -> None:
+        """Send what the line takes."""
+        if self._connection is None:
+            return
+        try:
+            self._connection.send(data)
+        except BlockingIOError:
+            return
+        except OSError:
+            self._drop()
+
+    def _drop(self) -> None:
+        if self._connection is not None:
+            self._connection.close()
+            self._connection = None
+
+    def unplug(self) -> None:
+        """Be gone: the connection breaks, and none is accepted."""
+        if self._connection is not None:
+            # A broken line, not an orderly end.
+            self._connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        self.close()
+
+    def close(self) -> None:
+        """Be gone for good; idempotent."""
+        self._drop()
+        if self._listener is not None:
+            self._listener.close()
+            self._listener = None
+
+
+class PtyOutlet:
+    """A pseudo-terminal."""
+
+    def __init__(self) -> None:
+        # These exist on POSIX only; the door has refused a pty elsewhere.
+        import tty
+
+        self._own, self._their = os.openpty()
+        tty.setraw(self._their)
+        os.set_blocking(self._own, False)
+        self._address = f"ASRL{os.ttyname(self._their)}::INSTR"
+
+    @property
+    def address(self) -> str:
+        """The VISA address of the line's other end."""
+        return self._address
+
+    @property
+    def room(self) -> int:
+        """Bytes that may be sent now."""
+        if self._own < 0:
+            return 0
+        import fcntl
+        import termios
+
+        waiting = struct.unpack("i", fcntl.ioctl(self._their, termios.FIONREAD, b"\0" * 4))[0]
+        return max(0, _PTY_HOLDS // 2 - int(waiting))
+
+    def receive(self) -> bytes:
+        """What came from the other end."""
+        if self._own < 0:
+            return b""
+        try:
+            return os.read(self._own, _CHUNK)
+        except OSError:
+            return b""
+
+    def send(self, data: bytes) -> None:
+        """Send what the line takes."""
+        while data and self._own >= 0:
+            try:
+                data = data[os.write(self._own, data[:4096]) :]
+            except OSError:
+                return
+
+    def unplug(self) -> None:
+        """Be gone: who reads it is hung up on."""
+        self.close()
+
+    def close(self) -> None:
+        """Be gone for good; idempotent."""
+        if self._own >= 0:
+            os.close(self._own)
+            os.close(self._their)
+            self._own = -1

@@ -1,0 +1,60 @@
+"""What keeps simulated instruments sending: virtual time whenever it moves, real time by a thread."""
+
+import threading
+from collections.abc import Callable
+
+from gyrotest.ports import Clock
+from gyrotest.simulation.clock import VirtualClock
+from gyrotest.simulation.outlet import Outlet
+
+_EVERY_S = 0.01
+_JOIN_S = 1.0
+# What a pump that moves the time itself lets pass at once.
+_HURRIED_STEP_S = 0.05
+
+Transmit = Callable[[float, Outlet], None]
+
+
+class Pump:
+    """Lets an instrument send into its outlet all that is due, until it is closed.
+
+    `hurried`: nobody else moves the virtual clock, so this does, as fast as the line takes it.
+    """
+
+    def __init__(
+        self, transmit: Transmit, outlet: Outlet, clock: Clock, *, hurried: bool = False
+    ) -> None:
+        self._transmit = transmit
+        self._outlet = outlet
+        self._clock = clock
+        self._hurried = hurried
+        # Threads of several servers may move the time.
+        self._lock = threading.Lock()
+        self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
+        if isinstance(clock, VirtualClock) and not hurried:
+            clock.subscribe(self._moved)
+            return
+        self._thread = threading.Thread(target=self._run, daemon=True, name=f"pump-{outlet.address}")
+        self._thread.start()
+
+    def _moved(self, now_s: float) -> None:
+        with self._lock:
+            if not self._ended.is_set():
+                self._transmit(now_s, self._outlet)
+
+    def _run(self) -> None:
+        while not self._ended.wait(_EVERY_S):
+            if self._hurried and self._outlet.room > 0:
+                self._clock.sleep_until(self._clock.now_s() + _HURRIED_STEP_S)
+            self._moved(self._clock.now_s())
+
+    def close(self) -> None:
+        """Send no more, and unplug; idempotent."""
+        if isinstance(self._clock, VirtualClock):
+            self._clock.unsubscribe(self._moved)
+        self._ended.set()
+        if self._thread is not None:
+            self._thread.join(_JOIN_S)
+        with self._lock:
+            self._outlet.close()
