@@ -76,6 +76,7 @@ def fit_steps(
     times_s: _Array,
     rest_outputs: _Array,
     rest_times_s: _Array,
+    line_to_dps: float = np.inf,
 ) -> StepFit:
     """Fit a line to the outputs of steps, the output at rest taken out by interpolation in time.
 
@@ -86,6 +87,8 @@ def fit_steps(
     rest_outputs, rest_times_s
         Shape (r,), r ≥ 1, in the order of time: the same of the steps at rest. Before the first and after
         the last one its output stands.
+    line_to_dps
+        The lines are fitted to the steps up to this rate of either sign; residuals are of all steps.
 
     Raises
     ------
@@ -97,24 +100,25 @@ def fit_steps(
     S3.3: SF = (Σω_iF_i − ΣωΣF/M)/(Σω² − (Σω)²/M), F0 = mean(F) − SF·mean(ω), F_i less the interpolated
     output at rest, whose mean is added back to F0. Unweighted, as there.
     """
-    if np.unique(rates_dps).size < 2:
+    fitted = np.abs(rates_dps) <= line_to_dps
+    if np.unique(rates_dps[fitted]).size < 2:
         raise InsufficientDataError(
-            f"{np.unique(rates_dps).size} rate; a scale factor needs steps at two different rates at least"
+            f"{np.unique(rates_dps[fitted]).size} rate; a line needs steps at two different rates at least"
         )
     if not rest_outputs.size:
         raise InsufficientDataError("no step at rest; its output is subtracted from every other step's")
     means = np.concatenate((outputs, rest_outputs))
     above_rest = np.hstack((np.eye(outputs.size), -_interpolation(times_s, rest_times_s)))
-    slope, intercept = _line(rates_dps) @ above_rest  # S3.3
+    slope, intercept = _line(rates_dps, fitted) @ above_rest  # S3.3
     at_rest = np.zeros(means.size)
     at_rest[outputs.size :] = 1.0 / rest_outputs.size
-    fitted = np.outer(rates_dps, slope) + intercept
+    line = np.outer(rates_dps, slope) + intercept
     fit = StepFit(
         scale_factor=_linear(slope, means),
         offset=_linear(intercept + at_rest, means),
-        residuals=tuple(_linear(row, means) for row in above_rest - fitted),
-        forward=_one_sided(rates_dps > 0.0, rates_dps, above_rest, means),
-        backward=_one_sided(rates_dps < 0.0, rates_dps, above_rest, means),
+        residuals=tuple(_linear(row, means) for row in above_rest - line),
+        forward=_one_sided(fitted & (rates_dps > 0.0), rates_dps, above_rest, means),
+        backward=_one_sided(fitted & (rates_dps < 0.0), rates_dps, above_rest, means),
         rest_difference=_difference(outputs.size, means),
     )
     if fit.scale_factor.value == 0.0:
@@ -126,11 +130,12 @@ def _linear(weights: _Array, means: _Array) -> Linear:
     return Linear(value=float(weights @ means), weights=weights)
 
 
-def _line(rates_dps: _Array) -> _Array:
-    """Return the weights (2, m) of slope and intercept of the unweighted least-squares line."""
-    about = rates_dps - rates_dps.mean()
+def _line(rates_dps: _Array, chosen: NDArray[np.bool_]) -> _Array:
+    """Return the weights (2, m) of slope and intercept of the unweighted line through some steps."""
+    mean_dps = rates_dps[chosen].mean()
+    about = np.where(chosen, rates_dps - mean_dps, 0.0)
     slope = about / float(about @ about)
-    return np.stack((slope, 1.0 / rates_dps.size - rates_dps.mean() * slope))
+    return np.stack((slope, chosen / np.count_nonzero(chosen) - mean_dps * slope))
 
 
 def _one_sided(
@@ -138,7 +143,7 @@ def _one_sided(
 ) -> Linear | None:
     if np.unique(rates_dps[chosen]).size < 2:
         return None
-    return _linear(_line(rates_dps[chosen])[0] @ above_rest[chosen], means)
+    return _linear(_line(rates_dps, chosen)[0] @ above_rest, means)
 
 
 def _interpolation(times_s: _Array, rest_times_s: _Array) -> _Array:

@@ -4,10 +4,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
+
+from gyrotest.analysis.resolution import digital_step, mean_half_width
 from gyrotest.analysis.step_noise import SHORTEST_STEP
-from gyrotest.procedures.dwells import OutlierRule
+from gyrotest.procedures.dwells import DwellRecord, OutlierRule
 from gyrotest.records.described import Described
-from gyrotest.records.plan import Step, Turning
+from gyrotest.records.plan import Context, Step, Turning
 from gyrotest.records.spec import Case, Output
 from gyrotest.units import Dimension, OfDimension, Quantity
 
@@ -99,3 +103,18 @@ def step_samples(case: Case) -> int:
 def warm_up_s(case: Case) -> float:
     """Return the time from power-on to the first sample."""
     return 0.0 if case.warm_up is None else case.warm_up.to("s")
+
+
+def rounding_covariance(means: tuple[DwellRecord, ...]) -> NDArray[np.float64]:
+    """Return what the steps of a digitised output add to the covariance of the means."""
+    return np.diag([_half_step(one) ** 2 / 3.0 for one in means])
+
+
+def _half_step(record: DwellRecord) -> float:
+    step = digital_step(record.output)
+    return 0.0 if step is None else mean_half_width(step, float(record.output.std(ddof=1)))
+
+
+def since_power_on_s(context: Context) -> float:
+    """Return the time from power-on to the record's begin; where not known, the warm-up."""
+    return warm_up_s(context.case) if context.since_power_on_s is None else context.since_power_on_s

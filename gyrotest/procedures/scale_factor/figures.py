@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from gyrotest.analysis.interval import coverage_factor
 from gyrotest.analysis.scale_factor import Linear
 from gyrotest.procedures.dwells import DwellRecord
-from gyrotest.procedures.scale_factor.turns import Turns
+from gyrotest.procedures.step_table import STEP_COLUMNS, signed, step_cells
+from gyrotest.procedures.turns import Turns
 from gyrotest.procedures.wording import plain
 from gyrotest.records.figure import Curve, Figure, Panel, Points, Role
 from gyrotest.records.plan import Context
@@ -16,18 +17,12 @@ from gyrotest.records.table import Cell, Column, Table
 from gyrotest.units import printed_unit
 
 _PPM = 1e6
-_MINUS = "\N{MINUS SIGN}"
 _MARGIN = 1.06
 _COLUMNS = (
-    Column(heading="Step", share=16),
-    Column(heading="Rate / (°/s)", share=12, numbers=True),
-    Column(heading="Read back", share=13, numbers=True),
-    Column(heading="Mean output", share=17, numbers=True),
+    *STEP_COLUMNS[:4],
     Column(heading="Residual / ppm", share=14, numbers=True),
     Column(heading="U / ppm", share=10, numbers=True),
-    Column(heading="Kept", share=10, numbers=True),
-    Column(heading="Dropped", share=10, numbers=True),
-    Column(heading="Settling", share=11, numbers=True),
+    *STEP_COLUMNS[4:],
 )
 
 
@@ -154,28 +149,9 @@ def _steps_table(
 
 
 def _row(record: DwellRecord, left: tuple[float, float] | None) -> tuple[Cell, ...]:
-    dwell, none = record.dwell, Cell(text="–")
-    read_back = dwell.measured_rate_dps
-    residual, bar = left or (0.0, 0.0)
-    return (
-        Cell(text=dwell.name),
-        _text(record.rate_dps, 6),
-        none if read_back is None else _text(read_back, 6),
-        Cell(text=f"{_signed(record.mean, 7)} {printed_unit(record.scaling.unit)}"),
-        none if left is None else _text(residual, 3),
-        none if left is None else _text(bar, 2),
-        Cell(text=str(record.kept)),
-        Cell(text=str(record.dropped)),
-        Cell(text=f"{plain(dwell.settling_s, 3)} s"),
-    )
-
-
-def _text(value: float, digits: int) -> Cell:
-    return Cell(text=_signed(value, digits))
-
-
-def _signed(value: float, digits: int) -> str:
-    return plain(value, digits).replace("-", _MINUS)
+    cells = step_cells(record)
+    residual, bar = ("–", "–") if left is None else (signed(left[0], 3), plain(left[1], 2))
+    return (*cells[:4], Cell(text=residual), Cell(text=bar), *cells[4:])
 
 
 def _drawn(values: NDArray[np.float64]) -> tuple[float, ...]:

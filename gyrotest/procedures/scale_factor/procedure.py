@@ -12,8 +12,8 @@ from gyrotest.procedures.scale_factor.parameters import (
 )
 from gyrotest.procedures.scale_factor.remarks import turn_remarks
 from gyrotest.procedures.scale_factor.results import turn_results
-from gyrotest.procedures.scale_factor.turns import measured_turns
 from gyrotest.procedures.table_steps import step_samples, warm_up_s
+from gyrotest.procedures.turns import measured_turns
 from gyrotest.records.plan import Context, Plan, Reduction, Step
 from gyrotest.records.recording import Samples
 from gyrotest.records.result import Measurand, Result

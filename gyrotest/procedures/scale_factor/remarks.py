@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from gyrotest.procedures.dwells import DwellRecord
 from gyrotest.procedures.scale_factor.parameters import FEWEST_RATES, rates_of_sign
-from gyrotest.procedures.scale_factor.turns import Turns
+from gyrotest.procedures.step_table import dropped_samples
+from gyrotest.procedures.turns import Turns
 from gyrotest.procedures.wording import plain, rate_text
 from gyrotest.records.plan import Context
 
@@ -28,17 +28,6 @@ def few_rates(rates_dps: tuple[float, ...]) -> Iterator[str]:
             f"Deviation: {forward} rates forward and {backward} backward; the method asks for at least"
             f" {FEWEST_RATES} of each sign."
         )
-
-
-def dropped_samples(records: tuple[DwellRecord, ...]) -> Iterator[str]:
-    """Say how many samples were outliers or are missing, where some were or are."""
-    dropped, missing = sum(one.dropped for one in records), sum(one.missing for one in records)
-    total = sum(one.dwell.samples for one in records)
-    if dropped:
-        steps = sum(one.dropped > 0 for one in records)
-        yield f"Outliers: {dropped} of {total} samples dropped, in {steps} of {len(records)} steps."
-    if missing:
-        yield f"{missing} of {total} samples are missing; the means are of the others."
 
 
 def _off_readings(turns: Turns, context: Context) -> Iterator[str]:

@@ -9,7 +9,6 @@ from gyrotest.analysis.extremes import Magnitude, largest_magnitude, magnitude
 from gyrotest.analysis.scale_factor import Linear
 from gyrotest.procedures.earth import earth_share, earth_words
 from gyrotest.procedures.scale_factor.parameters import REPORTED
-from gyrotest.procedures.scale_factor.turns import Turns
 from gyrotest.procedures.scale_factor.uncertainty import (
     bias_budget,
     missing_of_bias,
@@ -18,6 +17,7 @@ from gyrotest.procedures.scale_factor.uncertainty import (
     slope_budget,
     slope_unit,
 )
+from gyrotest.procedures.turns import Turns
 from gyrotest.procedures.uncertainty import by_statistics, expanded
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context

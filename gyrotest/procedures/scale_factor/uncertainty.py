@@ -5,9 +5,10 @@ from collections.abc import Iterator
 
 from gyrotest.analysis.scale_factor import Linear
 from gyrotest.procedures.earth import of_earth
-from gyrotest.procedures.scale_factor.turns import Turns
+from gyrotest.procedures.meter import meter_contributions, missing_of_meter
+from gyrotest.procedures.turns import Turns
 from gyrotest.procedures.uncertainty import by_statistics, rectangular
-from gyrotest.procedures.wording import engineering, plain, rate_text
+from gyrotest.procedures.wording import plain, rate_text
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Contribution
 from gyrotest.records.spec import OutputKind
@@ -30,12 +31,22 @@ def slope_budget(
 
 
 def bias_budget(turns: Turns, share_dps: float | None, context: Context) -> tuple[Contribution, ...]:
-    """Return every contribution to the uncertainty of the bias, in °/s."""
+    """Return every contribution to the uncertainty of the bias, in °/s.
+
+    The meter's gain acts on the nominal output at rest alone: it makes slope and output at rest too large
+    in the same proportion, and their ratio not at all.
+    """
     bias = turns.fit.bias
     return (
         *_of_steps(turns, bias, context, "deg/s"),
         *_of_table_gain(bias.value, context, "deg/s"),
-        *_of_meter(turns, context),
+        *meter_contributions(
+            context,
+            turns.turning[0].sampling,
+            turns.scaling,
+            slope=turns.fit.scale_factor.value,
+            indication=turns.scaling.zero,
+        ),
         of_earth(share_dps),
     )
 
@@ -56,21 +67,18 @@ def missing_of_steps(context: Context) -> tuple[str, ...]:
 
 def missing_of_slope(context: Context) -> tuple[str, ...]:
     """Give what could not be had of a slope's uncertainty."""
-    return (*missing_of_steps(context), *_missing_of_meter(context))
+    return (*missing_of_steps(context), *_unknown_meter(context))
 
 
 def missing_of_bias(turns: Turns, context: Context) -> tuple[str, ...]:
     """Give what could not be had of the bias's uncertainty."""
-    accuracy, missing = context.accuracy, [*missing_of_slope(context)]
-    unknown_range = turns.turning[0].sampling.range is None
-    if accuracy is not None and unknown_range and accuracy.of_range.value != 0.0:
-        missing.append("accuracy of the meter's range (range not known)")
+    missing = [*missing_of_steps(context), *missing_of_meter(context, turns.turning[0].sampling)]
     if context.since_power_on_s is None:
         missing.append("drift before the record (time of power-on not known)")
     return tuple(missing)
 
 
-def _missing_of_meter(context: Context) -> tuple[str, ...]:
+def _unknown_meter(context: Context) -> tuple[str, ...]:
     unknown = context.output.kind is OutputKind.VOLTAGE and context.accuracy is None
     return ("accuracy of the meter",) if unknown else ()
 
@@ -117,27 +125,3 @@ def _of_gain(source: str, share: float, value: float, unit: str) -> Contribution
     size = abs(value)
     of = rate_text(size, 3) if unit == "deg/s" else f"{plain(size, 4)} {printed_unit(unit)}".strip()
     return rectangular(source, f"{plain(share * 1e6, 3)} ppm", of, share * size)
-
-
-def _of_meter(turns: Turns, context: Context) -> Iterator[Contribution]:
-    """Give the meter's share in the bias: its gain acts on the nominal output at rest alone.
-
-    Slope and output at rest are too large in the same proportion, so that their ratio is not.
-    """
-    accuracy, scaling = context.accuracy, turns.scaling
-    if accuracy is None:
-        return
-    slope = abs(1.0 / turns.fit.scale_factor.value)
-    indicated = {"reading": abs(scaling.zero)}
-    reach = turns.turning[0].sampling.range
-    if reach is not None:
-        indicated["range"] = reach * scaling.to_canonical
-    for what, of in indicated.items():
-        share = accuracy.of_reading if what == "reading" else accuracy.of_range
-        half = share.to("") * of
-        if half > 0.0:
-            unit = "" if scaling.unit == "deg/s" else f" (°/s)/{printed_unit(scaling.unit)}"
-            spoken = rate_text(half) if scaling.unit == "deg/s" else engineering(half, scaling.unit)
-            yield rectangular(
-                f"meter, {share} of {what}", spoken, f"{plain(slope, 4)}{unit}", half * slope
-            )

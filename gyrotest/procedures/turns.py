@@ -1,18 +1,18 @@
-"""The steps of a scale-factor test as they were measured: the line through them, and its covariance."""
+"""The steps of a test on the table as they were measured: the line through them, and its covariance."""
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrotest.analysis.resolution import digital_step, mean_half_width
 from gyrotest.analysis.scale_factor import Linear, StepFit, fit_steps
 from gyrotest.analysis.step_noise import StepNoise, Variance, mean_covariances
 from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.dwells import DwellRecord, OutlierRule, dwell_records, noise_of
 from gyrotest.procedures.scaling import Scaling
-from gyrotest.procedures.table_steps import warm_up_s
+from gyrotest.procedures.table_steps import rounding_covariance, since_power_on_s
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import Samples
 
@@ -70,7 +70,13 @@ class Turns:
 
 def measured_turns(samples: Samples, context: Context, rule: OutlierRule) -> Turns:
     """Check the dwells and fit the line; raises `InsufficientDataError`."""
-    records = dwell_records(samples, context, rule=rule)
+    return turns_of(dwell_records(samples, context, rule=rule), context)
+
+
+def turns_of(
+    records: tuple[DwellRecord, ...], context: Context, *, line_to_dps: float = math.inf
+) -> Turns:
+    """Fit the line through dwells, none of them saturated, up to a rate of either sign."""
     turning = tuple(one for one in records if one.rate_dps != 0.0)
     rest = tuple(one for one in records if one.rate_dps == 0.0)
     means = (*turning, *rest)
@@ -80,6 +86,7 @@ def measured_turns(samples: Samples, context: Context, rule: OutlierRule) -> Tur
         times_s=_numbers(one.middle_s for one in turning),
         rest_outputs=_numbers(one.mean for one in rest),
         rest_times_s=_numbers(one.middle_s for one in rest),
+        line_to_dps=line_to_dps,
     )
     _refuse_deaf(fit, records)
     return Turns(
@@ -90,7 +97,7 @@ def measured_turns(samples: Samples, context: Context, rule: OutlierRule) -> Tur
         noise_covariances=mean_covariances(
             _numbers(one.begin_s for one in means),
             _numbers(one.duration_s for one in means),
-            since_s=_since_power_on_s(context) + min(one.begin_s for one in means),
+            since_s=since_power_on_s(context) + min(one.begin_s for one in means),
         ),
         setting=setting_covariance(means, fit.scale_factor.value, context),
         rounding=rounding_covariance(means),
@@ -110,20 +117,6 @@ def setting_covariance(
     rates = _numbers(one.rate_dps for one in means)
     same = (rates[:, np.newaxis] == rates) & (rates != 0.0)
     return np.asarray(same * (half**2 / 3.0), dtype=np.float64)
-
-
-def rounding_covariance(means: tuple[DwellRecord, ...]) -> _Array:
-    """Return what the steps of a digitised output add to the covariance of the means."""
-    return np.diag([_half_step(one) ** 2 / 3.0 for one in means])
-
-
-def _half_step(record: DwellRecord) -> float:
-    step = digital_step(record.output)
-    return 0.0 if step is None else mean_half_width(step, float(record.output.std(ddof=1)))
-
-
-def _since_power_on_s(context: Context) -> float:
-    return warm_up_s(context.case) if context.since_power_on_s is None else context.since_power_on_s
 
 
 def _refuse_deaf(fit: StepFit, records: tuple[DwellRecord, ...]) -> None:
