@@ -117,7 +117,7 @@ class Unit:
         self.answers: dict[bytes, bytes] = {}
         self.asked = bytearray()
         self.silent = False
-        self._sent = 0
+        self.sent = 0
         self._begun_s = clock.now_s()
         self._open = True
         self._lock = threading.Lock()
@@ -130,8 +130,8 @@ class Unit:
                 return
             self._answer()
             due = int((now_s - self._begun_s) / self._period_s + 1e-6)
-            numbers = range(self._sent, due)
-            self._sent = due
+            numbers = range(self.sent, due)
+            self.sent = due
             if not self.silent:
                 self._write(b"".join(self._on_the_wire(one) for one in numbers))
 

@@ -6,6 +6,7 @@ from gyrotest.instruments.stim.decoding import FrameDecoder
 from gyrotest.instruments.stim.diagnosis import likely_cause
 from gyrotest.instruments.stim.framing import Framer
 from gyrotest.instruments.stim.models import COUNTER_MODULUS, TICKS_PER_SECOND, Model
+from gyrotest.instruments.streaming.flow import many
 from gyrotest.instruments.streaming.readings import Counter, Readings
 
 
@@ -44,10 +45,10 @@ class FrameStream:
         """Broken frames and bytes that belong to none."""
         counts, told = self._framer.counts, []
         if counts.broken:
-            told.append(f"{_many(counts.broken, 'frame')} with bad CRC")
+            told.append(f"{many(counts.broken, 'frame')} with bad CRC")
         if counts.resynchronised:
             told.append(
-                f"step with the frames lost {_many(counts.resynchronised, 'time')},"
+                f"step with the frames lost {many(counts.resynchronised, 'time')},"
                 f" {counts.skipped_bytes} bytes skipped"
             )
         return tuple(told)
@@ -58,7 +59,3 @@ def counter_of(decoder: FrameDecoder, sample_rate_hz: float) -> Counter | None:
     if decoder.frame.counter is None:
         return None
     return Counter(modulus=COUNTER_MODULUS, step=round(TICKS_PER_SECOND / sample_rate_hz))
-
-
-def _many(count: int, noun: str) -> str:
-    return f"{count} {noun}{'' if count == 1 else 's'}"

@@ -1,12 +1,14 @@
 """An acquisition from a gyro that talks unasked: what arrives is read in blocks and put on the grid."""
 
 import math
+import sys
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gyrotest.errors import InstrumentError, InstrumentProtocolError, InstrumentTimeoutError
 from gyrotest.instruments.streaming.readings import Counter, Decoder, Readings, joined
@@ -25,6 +27,7 @@ _ON_THE_WAY_S = 0.1
 # When readings seem to be lost, they may be late: look again, this long and this often.
 _LOOK_AGAIN_S = 0.05
 _LOOKS = 6
+_FLOWING = 0.5
 # Bytes but no reading for so long: these are not the bytes that are expected.
 _GARBAGE_S = 2.0
 _START_UP_S = 10.0
@@ -178,19 +181,26 @@ class Flow:
     def _gather(self, deadline_s: float) -> Readings:
         """Read what has arrived by the deadline; raises where nothing does, or nothing that makes sense."""
         self._clock.sleep_until(deadline_s)
-        least = self._outstanding_bytes()
-        data = self._io(lambda stream: stream.read(least, _ON_THE_WAY_S))
-        if not data:
-            data = self._io(lambda stream: stream.read(1, self._io_timeout_s))
+        data = self._arrived(self._outstanding_bytes())
         self._read_s = self._clock.now_s()
-        if not data:
-            raise InstrumentTimeoutError(
-                f"{self.who}: nothing has arrived for {self._io_timeout_s:g} s;"
-                " is the unit powered, and does it send on its own?"
-            )
         readings = self._decoder.push(data)
         self._refuse_garbage(readings)
         return readings
+
+    def _arrived(self, least: int) -> bytes:
+        """At least one byte; what is due but on its way is waited for."""
+        until_s = self._clock.now_s() + self._io_timeout_s
+        data = self._io(lambda stream: stream.read(least, _ON_THE_WAY_S))
+        while not data:
+            now_s = self._clock.now_s()
+            if now_s >= until_s:
+                raise InstrumentTimeoutError(
+                    f"{self.who}: nothing has arrived for {self._io_timeout_s:g} s;"
+                    " is the unit powered, and does it send on its own?"
+                )
+            self._clock.sleep_until(min(now_s + _LOOK_AGAIN_S, until_s))
+            data = self._io(lambda stream: stream.read(1, _ON_THE_WAY_S))
+        return data
 
     def _outstanding_bytes(self) -> int:
         if not self._following:
@@ -209,26 +219,29 @@ class Flow:
         if not len(readings):
             return
         numbers = self._timeline.numbers(readings)
-        hidden = self._timeline.hidden(int(numbers[-1]), self._read_s)
-        looks = 0
-        while hidden and looks < _LOOKS:
-            more = self._gather(self._read_s + _LOOK_AGAIN_S)
-            looks += 1
-            if len(more):
-                readings = joined([readings, more])
-                numbers = self._timeline.numbers(readings)
-            hidden = min(hidden, self._timeline.hidden(int(numbers[-1]), self._read_s))
-        if hidden:
-            numbers = numbers + np.where(
-                np.arange(len(numbers)) >= self._place_of_loss(numbers), hidden, 0
-            )
+        if self._timeline.hidden(int(numbers[-1]), self._read_s):
+            readings, numbers = self._looked_again(readings)
         self._timeline.accept(readings, numbers, self._read_s)
         self._blocks += self._sampler.push(readings, numbers)
 
-    def _place_of_loss(self, numbers: np.ndarray[tuple[int], np.dtype[np.int64]]) -> int:
-        """Where a loss that the counter does not show belongs: where it shows another one, else in front."""
+    def _looked_again(self, readings: Readings) -> tuple[Readings, NDArray[np.int64]]:
+        """Readings that come too late are lost ones, or held up: what is lost never comes, so wait a moment."""
+        parts, place, hidden = [readings], 0, sys.maxsize
+        for _ in range(_LOOKS):
+            before_s = self._read_s
+            parts.append(self._gather(self._read_s + _LOOK_AGAIN_S))
+            if len(parts[-1]) * self._rhythm.period_s < _FLOWING * (self._read_s - before_s):
+                place = sum(len(part) for part in parts[:-1])
+            readings = joined(parts)
+            numbers = self._timeline.numbers(readings)
+            hidden = min(hidden, self._timeline.hidden(int(numbers[-1]), self._read_s))
+            if not hidden:
+                return readings, numbers
+        # Where the counter shows a loss, this is that one. Else it is where the stream paused, if it did.
         jumps = np.flatnonzero(np.diff(numbers) > 1)
-        return int(jumps[0]) + 1 if len(jumps) else 0
+        place = int(jumps[0]) + 1 if len(jumps) else place
+        numbers[place:] += hidden
+        return readings, numbers
 
     def _refuse_other_rate(self, readings: Readings, heard_hz: float) -> None:
         """Hold the counter's steps, or else the clock, against the rate that the station says."""
@@ -255,3 +268,8 @@ class Flow:
             raise InstrumentError(
                 f"{self.who}: connection lost: {error}; is the cable plugged in and the adapter there?"
             ) from error
+
+
+def many(count: int, noun: str) -> str:
+    """A count and its noun."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"

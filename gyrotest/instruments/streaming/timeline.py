@@ -5,6 +5,9 @@ looks like none. The host's clock sees that one, for readings then come later by
 should, for ever. A reading can arrive late, by the jitter of the host and of a USB adapter, but never
 early: so what counts is the least lateness of the last while. It is followed slowly, for the clock of
 the gyro is not the host's.
+
+Without a counter the host's clock is all there is: a loss shorter than `LEAST_LATE_S` is not found
+(unless the decoder saw a reading break), and the length of a longer one is known to one reading.
 """
 
 import math
@@ -90,7 +93,7 @@ class Timeline:
             return max(0, math.floor((late_s + _EARLY_S) / (period * self._period_s))) * period
         if late_s < max(LEAST_LATE_S, 1.5 * self._period_s):
             return 0
-        return round(late_s / self._period_s)
+        return math.floor(late_s / self._period_s + 0.25)
 
     def accept(self, readings: Readings, numbers: NDArray[np.int64], now_s: float) -> None:
         """Go on from these readings, which are numbered for good."""
