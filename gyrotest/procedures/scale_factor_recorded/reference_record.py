@@ -164,7 +164,9 @@ def _refuse_clipped(
     outputs: Outputs, reference_dps: NDArray[np.float64], fit: ReferenceFit, context: Context
 ) -> None:
     """Refuse an output that stands at its greatest or least value while the reference goes on."""
-    step = max(digital_step(outputs.values) or 0.0, fit.rms)
+    # Between neighbours, whose noise a clipped output leaves as it is.
+    noise = float(np.median(np.abs(np.diff(outputs.values) - fit.slope * np.diff(reference_dps))))
+    step = max(digital_step(outputs.values) or 0.0, noise)
     for extreme in (outputs.values.max(), outputs.values.min()):
         edges = np.flatnonzero(np.diff(np.concatenate(([0], outputs.values == extreme, [0]))))
         for begin, end in zip(edges[::2], edges[1::2], strict=True):
