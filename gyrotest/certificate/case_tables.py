@@ -14,13 +14,12 @@ from gyrotest.records.spec import Case, DecisionRule
 from gyrotest.units import printed_unit
 
 _TALL = 9  # rows beyond which a parameter's name stands above them, and they may break between axes
-_PAGE = 40  # rows of several axes that a page holds
-_WIDE = {  # shares of the columns' widths, by whether there are several axes, several repeats
-    (False, False): (29, 11, 17, 8, 8, 8.5, 16, 12),
-    (False, True): (26, 5.5, 9.5, 16, 7.5, 7.5, 8.5, 15.5, 12.5),
-    (True, False): (26, 5.5, 9.5, 16, 7.5, 7.5, 8.5, 15.5, 12.5),
-    (True, True): (21.5, 5, 4.8, 9.5, 15.7, 7.5, 7.5, 8.5, 15.5, 12.5),
-}
+# Shares of the columns' widths.
+_REPEAT = 5.0
+_AXIS, _AXIS_LETTER, _AXIS_LONGEST = 5.0, 1.0, 16.0
+_BARE = (29.0, 11.0, 17.0, 8.0, 8.0, 8.5, 16.0, 12.0)
+_SHARED = (9.6, 15.8, 7.5, 7.5, 8.5, 15.5, 12.5)
+_WHOLE = 107.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,11 +68,6 @@ class CaseTable:
     shares: tuple[float, ...]
     groups: tuple[Group, ...]
 
-    @property
-    def whole(self) -> bool:
-        """Whether its axes are to be read beside one another, on one page that has room for them."""
-        return self.axial and sum(len(one.rows) for one in self.groups) <= _PAGE
-
 
 def case_tables(record: RunRecord) -> tuple[CaseTable, ...]:
     """Arrange the results: cases, in each the measurements, in each the axes, in each the repeats."""
@@ -92,9 +86,19 @@ def _case_table(record: RunRecord, case: str, results: list[JudgedResult]) -> Ca
         note=_case_note(record, case),
         axial=axial,
         repeated=repeated,
-        shares=_WIDE[axial, repeated],
+        shares=_shares([one.axis for one in results], repeated=repeated),
         groups=tuple(_group(list(group), repeated=repeated) for _, group in same),
     )
+
+
+def _shares(axes: Sequence[str], *, repeated: bool) -> tuple[float, ...]:
+    """Return the columns' widths: what axes' names and repeats need is taken from the parameters' names."""
+    longest = max((len(one) for one in axes), default=0)
+    named = [min(max(_AXIS, 2 + _AXIS_LETTER * longest), _AXIS_LONGEST)] if longest else []
+    between = [*named, *([_REPEAT] if repeated else [])]
+    if not between:
+        return _BARE
+    return (_WHOLE - sum(between) - sum(_SHARED), *between, *_SHARED)
 
 
 def _group(results: list[JudgedResult], *, repeated: bool) -> Group:

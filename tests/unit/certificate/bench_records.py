@@ -483,6 +483,24 @@ def rate_table(*, by_hand: bool = False) -> RunRecord:
     )
 
 
+def two_cases() -> RunRecord:
+    """The same results in two cases, of which the first page has room for one."""
+    record = three_axes()
+    again = tuple(dataclasses.replace(one, case="again") for one in record.results)
+    return dataclasses.replace(record, results=record.results + again, items=())
+
+
+def named_axes() -> RunRecord:
+    """Axes that bear longer names, and one that failed."""
+    names = {"x": "roll", "y": "pitch", "z": "yaw_redundant"}
+    record = one_axis_fails()
+    return dataclasses.replace(
+        record,
+        results=tuple(dataclasses.replace(one, axis=names[one.axis]) for one in record.results),
+        items=(),
+    )
+
+
 def one_axis_fails() -> RunRecord:
     """Axis y is out of two limits."""
     record = three_axes()

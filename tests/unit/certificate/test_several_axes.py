@@ -113,6 +113,18 @@ def test_failing_axis_is_named(pages: Pages) -> None:
     assert "Allan minimum, axis y, repeat 1: 300 [280, 330] °/h, limit ≤ 1 °/h." in text
 
 
+def test_names_of_axes_are_not_broken(pages: Pages) -> None:
+    text = flat(pages("named_axes")[0])
+    assert "roll 11.96" in text
+    assert "pitch 300.00" in text
+    assert "yaw_redundant 12.91" in text
+
+
+def test_results_of_a_later_case_are_not_torn_apart(pages: Pages) -> None:
+    (page,) = (flat(text) for text in pages("two_cases") if "Results – again" in text)
+    assert all(label in page for label in ("Bias stability, 1 s", "Allan minimum", "z ≤ 0.0218"))
+
+
 def test_outcome_of_a_single_axis_names_none() -> None:
     one = bench_records.three_axes().results[0]
     assert outcome(one).startswith("Bias, axis x, repeat 1: ")
