@@ -36,17 +36,19 @@ class ScpiChamberSettings:
     ] = "SOUR:TEMP {value:.2f}"
     ask: Annotated[str, Described("The query of the temperature, °C.", "MEAS:TEMP?")] = "MEAS:TEMP?"
     ask_set: Annotated[
-        str | None,
-        Described("The query of the temperature that is set, °C; it is read back where there is one."),
-    ] = None
-    on: Annotated[
-        str | None, Described("The command that starts it; null if it has none.", "OUTP ON")
-    ] = "OUTP ON"
-    off: Annotated[
-        str | None,
+        str,
         Described(
-            "The command that stops heating and cooling, sent at the end; null if it has none.",
-            "OUTP OFF",
+            "The query of the temperature that is set, °C; it is read back where one is given.",
+            "SOUR:TEMP?",
+        ),
+    ] = ""
+    start: Annotated[str, Described("The command that starts it; '' if it has none.", "OUTP ON")] = (
+        "OUTP ON"
+    )
+    stop: Annotated[
+        str,
+        Described(
+            "The command that stops heating and cooling, sent at the end; '' if it has none.", "OUTP OFF"
         ),
     ] = "OUTP OFF"
     at_rest: Annotated[
@@ -65,13 +67,14 @@ class ScpiChamberSettings:
         ),
     ] = _NUMBER
     identify: Annotated[
-        str | None,
-        Described("The query of its identity (four fields); null where it has none.", "'*IDN?'"),
+        str, Described("The query of its identity (four fields); '' if it has none.", "'*IDN?'")
     ] = "*IDN?"
     identity: Annotated[
-        str | None,
-        Described("A regular expression that is found in maker and model; another is refused."),
-    ] = None
+        str,
+        Described(
+            "A regular expression that is found in maker and model; another is refused.", "ESPEC.*SU-2"
+        ),
+    ] = ""
     errors: Annotated[bool, Described("Whether SYST:ERR? is asked after each command.", "true")] = False
     coldest: Annotated[
         Quantity,
@@ -94,9 +97,9 @@ class ScpiChamberSettings:
             raise ValueError(f"set '{self.set}' has no {{value}}; write e.g. SOUR:TEMP {{value:.2f}}")
         for key in ("reading", "identity"):
             _check_pattern(key, getattr(self, key))
-        if self.off is None and self.at_rest is None:
+        if not self.stop and self.at_rest is None:
             raise ValueError(
-                "neither 'off' nor 'at_rest' says how the chamber is left; write e.g. off: OUTP OFF"
+                "neither 'stop' nor 'at_rest' says how the chamber is left; write e.g. stop: OUTP OFF"
             )
         if not self.coldest.to("degC") < self.hottest.to("degC"):
             raise ValueError(f"coldest {self.coldest} is not below hottest {self.hottest}")
@@ -123,9 +126,9 @@ class ScpiChamberSettings:
         )
 
 
-def _check_pattern(key: str, pattern: str | None) -> None:
+def _check_pattern(key: str, pattern: str) -> None:
     try:
-        re.compile(pattern or "")
+        re.compile(pattern)
     except re.error as error:
         raise ValueError(f"{key} '{pattern}' is no regular expression: {error}") from None
 
@@ -171,9 +174,9 @@ class ScpiChamber:
         self._refuse_beyond(temperature_degc)
         self._running = True
         self._command(self._settings.command(temperature_degc))
-        if self._settings.on is not None:
-            self._command(self._settings.on)
-        if self._settings.ask_set is not None:
+        if self._settings.start:
+            self._command(self._settings.start)
+        if self._settings.ask_set:
             found_degc = self._number(self._settings.ask_set)
             if abs(found_degc - temperature_degc) > _STEP_C:
                 raise InstrumentProtocolError(
@@ -202,8 +205,8 @@ class ScpiChamber:
         return self._open
 
     def _rest(self) -> None:
-        if self._settings.off is not None:
-            self._command(self._settings.off)
+        if self._settings.stop:
+            self._command(self._settings.stop)
         elif self._settings.at_rest is not None:
             self._command(self._settings.command(self._settings.at_rest.to("degC")))
         # A line is not closed under a command that was not yet taken.
@@ -229,7 +232,7 @@ class ScpiChamber:
             ) from None
 
     def _identity(self, talk: Conversation) -> Identity:
-        if self._settings.identify is None:
+        if not self._settings.identify:
             return Identity(
                 manufacturer="not stated",
                 model="temperature chamber",
@@ -240,13 +243,13 @@ class ScpiChamber:
         if identity is None:
             raise InstrumentProtocolError(
                 f"{self._resource}: {self._settings.identify} gives {shown(reply.encode())}, expected the four"
-                " fields of an identity; where it has none, write identify: null"
+                " fields of an identity; where it has none, write identify: ''"
             )
         return identity
 
     def _refuse_another(self, identity: Identity) -> None:
         named = f"{identity.manufacturer} {identity.model}"
-        if not re.search(self._settings.identity or "", named, re.IGNORECASE):
+        if not re.search(self._settings.identity, named, re.IGNORECASE):
             raise InstrumentIdentityError(
                 f"{self._resource}: found {named} (serial number {identity.serial_number}), expected"
                 f" '{self._settings.identity}'; correct the station's resource or the setting identity"

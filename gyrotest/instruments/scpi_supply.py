@@ -42,28 +42,6 @@ class Select(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class StatusBit:
-    """A query that answers a number, and the bits of it that say yes."""
-
-    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
-
-    query: Annotated[
-        str,
-        Described("The query; {output} stands for the output's number.", "STAT:QUES:COND?"),
-    ]
-    mask: Annotated[int, Described("The bits that count.", "1")] = 1
-
-    def __post_init__(self) -> None:
-        if "?" not in self.query:
-            raise ValueError(f"'{self.query}' is no query; write e.g. STAT:QUES:COND?")
-        if self.mask <= 0:
-            raise ValueError(f"mask {self.mask} has no bit; write e.g. 1 for the lowest")
-
-
-_TRIPPED = StatusBit(query="VOLT:PROT:TRIP?")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ScpiSupplySettings:
     """The station's settings of a power supply; the serial ones count on RS-232 only."""
 
@@ -78,35 +56,37 @@ class ScpiSupplySettings:
         ),
     ] = Select.NSEL
     identity: Annotated[
-        str | None,
+        str,
         Described(
             "A regular expression that is found in maker and model; another supply is refused.",
             "KEYSIGHT.*E36312A",
         ),
-    ] = None
+    ] = ""
     protection_on: Annotated[
-        str | None,
+        str,
         Described(
             "The command that arms the over-voltage protection, where setting it does not.",
             "VOLT:PROT:STAT ON",
         ),
-    ] = None
-    tripped: Annotated[
-        StatusBit | None,
+    ] = ""
+    trip_query: Annotated[
+        str,
         Described(
-            "How the supply is asked whether its over-voltage protection has tripped; `null` where it"
-            " cannot be asked: then an output that is off though it was switched on has tripped.",
-            "{query: 'VOLT:PROT:TRIP?'}",
+            "The query that tells whether the over-voltage protection has tripped, {output} in it being the"
+            " output's number; '' if there is none: an output that has gone off by itself has tripped.",
+            "VOLT:PROT:TRIP?",
         ),
-    ] = _TRIPPED
-    limiting: Annotated[
-        StatusBit | None,
+    ] = "VOLT:PROT:TRIP?"
+    trip_mask: Annotated[int, Described("The bits of the answer that say so.", "1")] = 1
+    limit_query: Annotated[
+        str,
         Described(
-            "How the supply is asked whether the current limit holds the output; without it, a current"
-            " at the limit says so.",
-            "{query: 'STAT:QUES:INST:ISUM{output}:COND?', mask: 1}",
+            "The query that tells whether the current limit holds the output; without it, a current at the"
+            " limit says so.",
+            "STAT:QUES:INST:ISUM{output}:COND?",
         ),
-    ] = None
+    ] = ""
+    limit_mask: Annotated[int, Described("The bits of the answer that say so.", "1")] = 1
     baud_rate: Annotated[int, Described("RS-232: bits per second.", "9600")] = 9600
     data_bits: Annotated[int, Described("RS-232: 7 or 8 bits.", "8")] = 8
     parity: Annotated[Parity, Described("RS-232: parity bit.", "none")] = Parity.NONE
@@ -116,15 +96,19 @@ class ScpiSupplySettings:
     def __post_init__(self) -> None:
         if self.outputs < 1:
             raise ValueError(f"outputs {self.outputs} is less than one")
-        if self.identity is not None:
-            _ = self.pattern
+        _ = self.pattern  # checks it
+        for query in (self.trip_query, self.limit_query):
+            if query and "?" not in query:
+                raise ValueError(f"'{query}' is no query; write e.g. STAT:QUES:COND?")
+        if self.trip_mask <= 0 or self.limit_mask <= 0:
+            raise ValueError("a mask without a bit; write e.g. 1 for the lowest")
         _ = self.line  # checks the serial settings
 
     @property
     def pattern(self) -> re.Pattern[str]:
         """The identity's pattern; raises `ValueError`."""
         try:
-            return re.compile(self.identity or "", re.IGNORECASE)
+            return re.compile(self.identity, re.IGNORECASE)
         except re.error as error:
             raise ValueError(f"identity '{self.identity}' is no regular expression: {error}") from None
 
@@ -197,7 +181,7 @@ class ScpiSupply:
             # Many refuse a protection below the voltage that is set; this only lowers it.
             self._command("VOLT", voltage_v)
         self._command("VOLT:PROT", over_voltage_v)
-        if self._settings.protection_on is not None:
+        if self._settings.protection_on:
             self._write(self._settings.protection_on)
         self._command("CURR", current_limit_a)
         self._command("VOLT", voltage_v)
@@ -257,28 +241,28 @@ class ScpiSupply:
         return f"{self._session.talk.who} output {self._output}"
 
     def _limiting(self, current_a: float) -> bool:
-        if self._settings.limiting is not None:
-            return self._bit(self._settings.limiting)
+        if self._settings.limit_query:
+            return self._bit(self._settings.limit_query, self._settings.limit_mask)
         return current_a >= _AT_LIMIT * self._limit_a
 
     def _tripped(self) -> bool:
-        if self._settings.tripped is None:
+        if not self._settings.trip_query:
             return self._switched_on and not self._number("OUTP")
         try:
-            return self._bit(self._settings.tripped)
+            return self._bit(self._settings.trip_query, self._settings.trip_mask)
         except InstrumentTimeoutError as error:
             raise InstrumentTimeoutError(
-                f"{error}; where this supply does not know '{self._settings.tripped.query}', write the"
-                " query that it knows into the setting tripped, or null"
+                f"{error}; where this supply does not know '{self._settings.trip_query}', write the query"
+                " that it knows into the setting trip_query, or ''"
             ) from error
 
-    def _bit(self, bit: StatusBit) -> bool:
-        query = bit.query.replace("{output}", str(self._output))
-        if query == bit.query:
+    def _bit(self, given: str, mask: int) -> bool:
+        query = given.replace("{output}", str(self._output))
+        if query == given:
             query = self._addressed(query)
         self._choose()
         found = scpi.number(self._session.talk, query, self._session.timeout_s)
-        return bool(int(found) & bit.mask)
+        return bool(int(found) & mask)
 
     def _choose(self) -> None:
         """Name the output anew each time: another program, or the other slot's driver, may have named one."""

@@ -62,10 +62,10 @@ def test_a_chamber_with_commands_of_its_own_can_be_used() -> None:
             set="TEMP,S{value:.1f}",
             ask="TEMP?",
             ask_set="SET?",
-            on=None,
-            off="STANDBY",
+            start="",
+            stop="STANDBY",
             acknowledges=True,
-            identify=None,
+            identify="",
         )
         assert one.open().serial_number == "not stated"
         one.set_temperature(25.0)
@@ -78,7 +78,7 @@ def test_a_chamber_without_a_stop_is_left_at_a_temperature() -> None:
     turns: list[Turn] = [IDN, (b"T=60\n", None), *ERRORS, (b"T=23\n", None), *ERRORS, asked]
     with Dialogue(turns) as wire:
         one = chamber(
-            wire, set="T={value:.0f}", on=None, off=None, at_rest=Quantity(23.0, "degC"), errors=True
+            wire, set="T={value:.0f}", start="", stop="", at_rest=Quantity(23.0, "degC"), errors=True
         )
         one.open()
         one.set_temperature(60.0)
@@ -155,7 +155,7 @@ def test_another_instrument_is_refused_and_left(
         ({"set": "SOUR:TEMP 25"}, "has no {value}"),
         ({"set": "SOUR:TEMP {degrees}"}, "cannot be filled in"),
         ({"reading": "("}, "reading '\\(' is no regular expression"),
-        ({"off": None}, "neither 'off' nor 'at_rest'"),
+        ({"stop": ""}, "neither 'stop' nor 'at_rest'"),
         ({"coldest": Quantity(90.0, "degC"), "hottest": Quantity(80.0, "degC")}, "is not below hottest"),
         ({"stop_bits": 3}, "stop_bits 3"),
     ],

@@ -8,7 +8,7 @@ from gyrotest.errors import (
     InstrumentProtocolError,
     InstrumentTimeoutError,
 )
-from gyrotest.instruments.scpi_supply import ScpiSupply, ScpiSupplySettings, Select, StatusBit
+from gyrotest.instruments.scpi_supply import ScpiSupply, ScpiSupplySettings, Select
 from gyrotest.instruments.transport.dialogue import Dialogue, Turn
 from tests.instruments.meter_turns import ERRORS, StepClock
 
@@ -107,7 +107,7 @@ def test_an_output_of_several_is_named_before_each_command() -> None:
 
 
 def test_an_output_may_be_named_by_a_channel_list() -> None:
-    bits = StatusBit(query="STAT:QUES:INST:ISUM{output}:COND?", mask=1)
+    query = "STAT:QUES:INST:ISUM{output}:COND?"
     turns: list[Turn] = [
         *OPENED,
         (b"VOLT? (@2)\n", b"0\n"),
@@ -126,7 +126,7 @@ def test_an_output_may_be_named_by_a_channel_list() -> None:
         (b"OUTP? (@2)\n", b"0\n"),
     ]
     with Dialogue(turns) as wire:
-        one = supply(wire, output=2, outputs=2, select=Select.CHANNEL_LIST, limiting=bits)
+        one = supply(wire, output=2, outputs=2, select=Select.CHANNEL_LIST, limit_query=query)
         one.open()
         set_up(one)
         one.on()
@@ -168,7 +168,7 @@ def test_a_supply_that_cannot_tell_a_trip_has_tripped_when_its_output_went_off_b
     off = asked(MEAS_VOLT="0", MEAS_CURR="0", OUTP="0")
     turns = [*OPENED, *asked(MEAS_VOLT="0", MEAS_CURR="0"), *said("OUTP ON"), *ERRORS, *off]
     with Dialogue(turns) as wire:
-        one = supply(wire, tripped=None)
+        one = supply(wire, trip_query="")
         one.open()
         assert not one.measure().tripped
         one.on()
@@ -185,7 +185,7 @@ def test_no_answer_to_the_trip_query_says_how_to_change_it() -> None:
         one = supply(wire)
         one.open()
         with pytest.raises(
-            InstrumentTimeoutError, match="write the query that it knows into the setting tripped"
+            InstrumentTimeoutError, match="write the query that it knows into the setting trip_query"
         ):
             one.measure()
 
@@ -296,15 +296,10 @@ def test_off_and_close_before_open_say_nothing() -> None:
         ({"outputs": 0}, "outputs 0 is less than one"),
         ({"identity": "("}, "is no regular expression"),
         ({"data_bits": 9}, "data_bits 9"),
+        ({"trip_query": "STAT:QUES:COND"}, "is no query"),
+        ({"limit_mask": 0}, "a mask without a bit"),
     ],
 )
 def test_settings_are_checked(settings: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         ScpiSupplySettings(**settings)  # type: ignore[arg-type]
-
-
-def test_a_status_query_is_checked() -> None:
-    with pytest.raises(ValueError, match="is no query"):
-        StatusBit(query="STAT:QUES:COND")
-    with pytest.raises(ValueError, match="mask 0 has no bit"):
-        StatusBit(query="STAT:QUES:COND?", mask=0)
