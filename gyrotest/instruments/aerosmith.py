@@ -18,7 +18,10 @@ from gyrotest.ports import Clock
 from gyrotest.records.described import Described
 from gyrotest.records.recording import Identity
 from gyrotest.records.station import Motion
+from gyrotest.units import Dimension, OfDimension, Quantity
 
+_RATE_SPAN = Quantity(1.0, "s")
+_SHORTEST_SPAN_S, _LONGEST_SPAN_S = 0.1, 30.0
 _END = b"\r"
 _PROMPT = b">"
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(E[+-]?\d+)?", re.IGNORECASE)
@@ -47,6 +50,14 @@ class AerosmithSettings:
             " follows from two positions."
         ),
     ] = ""
+    rate_span: Annotated[
+        Quantity,
+        OfDimension(Dimension.TIME),
+        Described(
+            "Least time between the two positions that give a rate: 1 ms of jitter in 1 s is 0.1 % of it.",
+            "1 s",
+        ),
+    ] = _RATE_SPAN
     home: Annotated[
         bool,
         Described("Send HOM when the drive is switched on: the table turns to its home angle."),
@@ -56,6 +67,10 @@ class AerosmithSettings:
         if self.rate_query and not _COMMAND.fullmatch(self.rate_query):
             raise ValueError(
                 f"rate_query '{self.rate_query}' is no command of three capital letters (and a number)"
+            )
+        if not _SHORTEST_SPAN_S <= self.rate_span.to("s") <= _LONGEST_SPAN_S:
+            raise ValueError(
+                f"rate_span {self.rate_span} is not {_SHORTEST_SPAN_S:g} s to {_LONGEST_SPAN_S:g} s"
             )
         SerialLine(baud_rate=self.baud_rate)
 
@@ -83,7 +98,7 @@ class Aerosmith:
         self._serial_number = serial_number
         self._exchange = Exchange(resource, line, connect=connect, io_timeout_s=io_timeout_s)
         self._envelope = Envelope(resource, motion)
-        self._progress = Progress(clock)
+        self._progress = Progress(clock, settings.rate_span.to("s"))
         self._enabled = False
         self._guard = guard_for(resource, line, ("STO\r", "JOG0\r", "STO\r"), who=resource)
 

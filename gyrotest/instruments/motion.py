@@ -9,9 +9,7 @@ from gyrotest.records.station import Motion
 from gyrotest.units import Dimension
 
 _TURN_DEG = 360.0
-# Between two positions of which a rate is made: shorter ones show the line's jitter, after longer ones
-# an angle within one turn says too little.
-_LEAST_SPAN_S = 1.0
+# After a longer time an angle within one turn says too little of the rate.
 _LONGEST_SPAN_S = 20.0
 _SAME_TIME_S = 1e-6
 
@@ -175,10 +173,15 @@ class Envelope:
 
 
 class Progress:
-    """The mean rate between two positions, for controllers that read no rate back."""
+    """The mean rate between two positions, for controllers that read no rate back.
 
-    def __init__(self, clock: Clock) -> None:
+    They are `span_s` apart at least: the jitter of the line's and the computer's times, over the span,
+    is the relative error of the rate.
+    """
+
+    def __init__(self, clock: Clock, span_s: float) -> None:
         self._clock = clock
+        self._span_s = span_s
         self._demanded_dps: float | None = None
         self._earlier: tuple[float, float] | None = None
         self._latest: tuple[float, float] | None = None
@@ -191,15 +194,15 @@ class Progress:
 
     def read(self, time_s: float, angle_deg: float) -> None:
         """A position was read; positions closer together than makes sense are one."""
-        if self._latest is None or time_s - self._latest[0] >= _LEAST_SPAN_S - _SAME_TIME_S:
+        if self._latest is None or time_s - self._latest[0] >= self._span_s - _SAME_TIME_S:
             self._earlier, self._latest = self._latest, (time_s, angle_deg)
 
     def pause_s(self) -> float:
         """How long to wait until the next position makes a rate with the one before, s."""
         if self._latest is None:
-            return _LEAST_SPAN_S
+            return self._span_s
         since_s = self._clock.now_s() - self._latest[0]
-        left_s = _LEAST_SPAN_S if since_s > _LONGEST_SPAN_S else _LEAST_SPAN_S - since_s
+        left_s = self._span_s if since_s > self._span_s + _LONGEST_SPAN_S else self._span_s - since_s
         return left_s if left_s > _SAME_TIME_S else 0.0
 
     def rate_dps(self) -> float:
