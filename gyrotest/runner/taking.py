@@ -158,7 +158,7 @@ class Taking:
     def _put_on_record(self, opened: OpenSource, acquisition: Acquisition, outcome: Outcome) -> None:
         bench, source = self._bench, opened.source
         told = source.remarks() if isinstance(source, Remarking) else ()
-        events = (*bench.take_events(), *acquisition.events)
+        powered = bench.take_events()
         recordings: tuple[Recording | None, ...] = acquisition.recordings or (None,) * len(self._parts)
         for part, track, recording in zip(self._parts, acquisition.tracks, recordings, strict=True):
             slot = part.run.header.slot
@@ -170,8 +170,8 @@ class Taking:
                 ended_utc=bench.clock.utc(),
                 recording=recording,
                 instruments=(opened.use, *used),
-                events=events,
-                remarks=(*part.attempt.remarks, *told),
+                events=tuple(acquisition.events),
+                remarks=(*part.attempt.remarks, *powered, *told),
                 truth=bench.truth(slot, self._planned.plan),
             )
             part.run.folder.write_attempt(part.attempt)
