@@ -1,0 +1,110 @@
+"""Measurement ranges as results, the figure of deviations, and what is to be said of saturation."""
+
+from collections.abc import Iterator
+
+from gyrotest.procedures.full_scale.parameters import RANGE_LABELS, FullScaleParameters
+from gyrotest.procedures.full_scale.reach import Reach, Reached, Reaches
+from gyrotest.procedures.wording import plain
+from gyrotest.records.figure import Curve, Figure, Panel, Points, Role
+from gyrotest.records.plan import Context
+from gyrotest.records.result import Result
+
+_PERCENT = 100.0
+_MINUS = "\N{MINUS SIGN}"
+_MARGIN = 1.06
+
+
+def range_results(reaches: Reaches, context: Context) -> Iterator[Result]:
+    """Give the range both ways, and each way."""
+    both = min(
+        (reaches.forward, reaches.backward), key=lambda one: (one.value_dps or 0.0, one.upper_dps)
+    )
+    yield _range_result("measurement_range", both, context)
+    yield _range_result("measurement_range_forward", reaches.forward, context)
+    yield _range_result("measurement_range_backward", reaches.backward, context)
+
+
+def _range_result(name: str, reach: Reach, context: Context) -> Result:
+    parameters: FullScaleParameters = context.parameters
+    within = f"within {parameters.linearity} of full scale"
+    if reach.value_dps is None:
+        reason = f"not even the first step, {_rate(reach.steps[0])}, is {within} of the line"
+        return Result(name=name, label=RANGE_LABELS[name], value=None, unit="deg/s", condition=reason)
+    if reach.left_at is None:
+        how = "at least: the largest rate tested"
+    else:
+        how = f"{'saturated' if reach.left_at.saturated else 'off the line'} at {_rate(reach.left_at)}"
+    return Result(
+        name=name,
+        label=RANGE_LABELS[name],
+        value=reach.value_dps,
+        unit="deg/s",
+        lower_95=reach.lower_dps,
+        upper_95=reach.upper_dps,
+        condition=f"{within}; {how}",
+        not_included=() if context.table is not None else ("accuracy of the rate table",),
+    )
+
+
+def saturation_remarks(reaches: Reaches) -> Iterator[str]:
+    """Say where saturation was found."""
+    for way, reach in (("forward", reaches.forward), ("backward", reaches.backward)):
+        first = next((one for one in reach.steps if one.saturated), None)
+        if first is None:
+            yield f"No saturation found {way}, up to {_rate(reach.steps[-1])}."
+            continue
+        record = first.record
+        found = f"{record.overloaded} overloads, {record.railed} samples at one limit"
+        how = "the output does not grow any more" if first.flat and not record.saturated else found
+        yield f"Saturation found {way} at {_rate(first)}: {how} ({record.dwell.samples} samples)."
+
+
+def _rate(step: Reached) -> str:
+    return f"{plain(step.record.rate_dps, 6)} °/s".replace("-", _MINUS)
+
+
+def range_figure(reaches: Reaches, context: Context) -> Figure:
+    """Draw how far each step that is not saturated is from the line, with the limits."""
+    parameters: FullScaleParameters = context.parameters
+    limit = parameters.linearity.to("") * _PERCENT
+    rates = [one.rate_dps for one in reaches.records]
+    ends = (_MARGIN * min(rates), _MARGIN * max(rates))
+    limits = tuple(
+        Curve(x=ends, y=(sign * limit,) * 2, role=Role.LIMIT, label="limit" if sign > 0 else "")
+        for sign in (1, -1)
+    )
+    panel = Panel(
+        y_label="Deviation / % of full scale",
+        x_label="Rate / (°/s)",
+        curves=(Curve(x=ends, y=(0.0, 0.0), role=Role.GUIDE), *limits),
+        points=tuple(_points(reaches)),
+        note=f"line through the steps to {plain(_line_end(reaches, context), 6)} °/s",
+    )
+    return Figure(
+        name="range",
+        title="Measurement range",
+        panels=(panel,),
+        caption="Deviation of each step's mean output from the line; bars: expanded uncertainty (95 %)."
+        " Saturated steps are left out.",
+        alt=f"Deviations from the line up to {plain(max(rates), 6)} °/s, limits ±{plain(limit, 4)} %",
+    )
+
+
+def _line_end(reaches: Reaches, context: Context) -> float:
+    parameters: FullScaleParameters = context.parameters
+    most = parameters.line_to_dps(context.output)
+    return max(abs(one.rate_dps) for one in reaches.records if abs(one.rate_dps) <= most * (1.0 + 1e-9))
+
+
+def _points(reaches: Reaches) -> Iterator[Points]:
+    for series, (way, reach) in enumerate(
+        (("forward", reaches.forward), ("backward", reaches.backward))
+    ):
+        drawn = [one for one in reach.steps if one.deviation is not None]
+        yield Points(
+            x=tuple(one.record.rate_dps for one in drawn),
+            y=tuple(_PERCENT * (one.deviation or 0.0) for one in drawn),
+            u=tuple(_PERCENT * (one.uncertainty or 0.0) for one in drawn),
+            label=way,
+            series=series,
+        )
