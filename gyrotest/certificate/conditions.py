@@ -1,14 +1,15 @@
-"""Under which conditions was measured: sampling, power, table, chamber, place and directions of the axes."""
+"""Under which conditions was measured: sampling, power, stimuli, place and directions of the axes."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
-from gyrotest.certificate.numbers import plain, significant
+from gyrotest.certificate.numbers import plain
 from gyrotest.certificate.printing import numbers_in_words, printed_text
 from gyrotest.certificate.statement import remarks
-from gyrotest.records.recording import Dwell, Recording, Sampling
+from gyrotest.certificate.stimuli import stimuli
+from gyrotest.records.recording import Recording, Sampling
 from gyrotest.records.run import RunRecord
 from gyrotest.records.spec import Between, Case, OutputKind
-from gyrotest.records.station import Instrument, Motion, Slot
+from gyrotest.records.station import Slot
 
 _GAP_FREE = 0.999  # duty from which on nothing of the signal is left out
 
@@ -22,8 +23,7 @@ def _conditions(record: RunRecord) -> Iterator[str]:
     yield from _samplings(record)
     if not record.replayed:
         yield from _power(record)
-    yield from _table(record)
-    yield from _chamber(record)
+    yield from stimuli(record)
     site = record.header.station.station.site
     if site is not None:
         heading = f", heading {site.heading}" if site.heading is not None else ""
@@ -101,87 +101,6 @@ def _power(record: RunRecord) -> Iterator[str]:
             )
 
 
-def _table(record: RunRecord) -> Iterator[str]:
-    slot = _slot(record)
-    name = slot.table if slot else None
-    instrument = record.header.station.station.instruments.get(name) if name else None
-    turned = list(_courses(record, lambda one: one.rate_dps, lambda one: one.measured_rate_dps, "°/s"))
-    if not turned:
-        return
-    if name and instrument:
-        yield f"Rate table '{name}'{_driver(instrument)}{_motion(instrument.motion)}."
-    for case, course in turned:
-        yield f"Rates asked for in {case}: {course}."
-
-
-def _chamber(record: RunRecord) -> Iterator[str]:
-    slot = _slot(record)
-    name = slot.chamber if slot else None
-    instrument = record.header.station.station.instruments.get(name) if name else None
-    courses = _courses(
-        record, lambda one: one.temperature_degc, lambda one: one.measured_temperature_degc, "°C"
-    )
-    for number, (case, course) in enumerate(courses):
-        if name and instrument and number == 0:
-            yield f"Temperature chamber '{name}'{_driver(instrument)}."
-        yield f"Temperatures asked for in {case}: {course}."
-
-
-def _courses(
-    record: RunRecord,
-    asked: Callable[[Dwell], float | None],
-    found: Callable[[Dwell], float | None],
-    unit: str,
-) -> Iterator[tuple[str, str]]:
-    """Of each case with such a stimulus: what was asked for, and how far off it was at most."""
-    dwells: dict[str, list[Dwell]] = {}
-    for item in record.items:
-        for attempt in item.attempts:
-            held = attempt.recording.dwells if attempt.recording else ()
-            dwells.setdefault(item.plan.case, []).extend(one for one in held if asked(one) is not None)
-    for case, all_of_it in dwells.items():
-        if all_of_it:
-            levels = _levels([asked(one) for one in all_of_it])
-            yield case, f"{levels} {unit}{_off(all_of_it, asked, found, unit)}"
-
-
-def _levels(values: Sequence[float | None]) -> str:
-    levels = sorted({one for one in values if one is not None})
-    if len(levels) <= 12 or not _mirrored(levels):
-        return ", ".join(plain(one) for one in levels)
-    rest = "0, " if 0.0 in levels else ""
-    return f"{rest}{', '.join(f'±{plain(one)}' for one in levels if one > 0)}"
-
-
-def _mirrored(levels: Sequence[float]) -> bool:
-    return {-one for one in levels} == set(levels)
-
-
-def _off(
-    held: Sequence[Dwell],
-    asked: Callable[[Dwell], float | None],
-    found: Callable[[Dwell], float | None],
-    unit: str,
-) -> str:
-    pairs = [(asked(one), found(one)) for one in held]
-    errors = [abs(b - a) for a, b in pairs if a is not None and b is not None]
-    if not errors:
-        return ""
-    return f"; read back within {significant(max(errors), digits=2)} {unit} of that"
-
-
-def _motion(motion: Motion | None) -> str:
-    if motion is None:
-        return ""
-    turns = ""
-    if motion.slip_ring:
-        turns = ", with a slip ring"
-    elif motion.max_turns is not None:
-        turns = f", {plain(motion.max_turns)} turns either way"
-    most = printed_text(f"{motion.max_rate}, {motion.max_acceleration}").replace("/s/s", "/s²")
-    return f": at most {most}{turns}"
-
-
 def _directions(record: RunRecord) -> Iterator[str]:
     """How the unit was mounted in each case, and which of its axes were judged."""
     axes = record.header.spec.spec.output.axes
@@ -208,10 +127,6 @@ def _direction(way: tuple[float, float, float]) -> str:
 
 def _axes(axes: Sequence[str]) -> str:
     return f"axis {axes[0]}" if len(axes) == 1 else f"axes {', '.join(axes)}"
-
-
-def _driver(instrument: Instrument) -> str:
-    return f" ({instrument.driver})"
 
 
 def _slot(record: RunRecord) -> Slot | None:

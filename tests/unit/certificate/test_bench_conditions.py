@@ -4,6 +4,8 @@ import dataclasses
 import re
 from collections.abc import Callable
 
+import pytest
+
 from gyrotest.certificate.conditions import conditions
 from gyrotest.certificate.equipment import equipment
 from gyrotest.certificate.statement import deviations
@@ -116,6 +118,28 @@ def test_table_its_limits_and_the_rates_are_told() -> None:
     rates = next(text for text in told if text.startswith("Rates asked for in scale_factor: "))
     assert "−80, −60, −40, −20, −10, 0, 10, 20, 40, 60, 80 °/s" in rates
     assert rates.endswith("; read back within 0.00040 °/s of that.")
+
+
+@pytest.mark.parametrize(
+    ("rates", "told"),
+    [
+        ((0.0, 40.0, -40.0), "−40, 0, 40 °/s;"),
+        (
+            (0.0, *(sign * float(n) for n in range(1, 12) for sign in (1, -1))),
+            "0, ±1, ±2, ±3, ±4, ±5, ±6",
+        ),
+        (tuple(0.001 * n for n in range(40)), "0 … 0.039 °/s in 40 levels;"),
+    ],
+)
+def test_many_rates_are_told_in_short(rates: tuple[float, ...], told: str) -> None:
+    def change(attempt: Attempt) -> Attempt:
+        if attempt.recording is None or not attempt.recording.dwells:
+            return attempt
+        recording = dataclasses.replace(attempt.recording, dwells=bench_records.dwells(rates))
+        return dataclasses.replace(attempt, recording=recording)
+
+    found = conditions(each(bench_records.rate_table(), change))
+    assert any(text.startswith(f"Rates asked for in scale_factor: {told}") for text in found)
 
 
 def test_a_table_that_did_not_turn_is_not_told() -> None:
