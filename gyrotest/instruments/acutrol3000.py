@@ -181,8 +181,10 @@ class Acutrol3000:
         self._exchange.forget()
         # A drive that is off stays off.
         for command in self._stopping() if self._enabled else self._stopping()[:1]:
-            with contextlib.suppress(InstrumentError):
+            try:
                 self._command(command)
+            except InstrumentError:
+                self._exchange.insist(command, self._end)
         if self._envelope.begun:
             self._envelope.demanded(self._clock.now_s(), 0.0)
 

@@ -178,8 +178,10 @@ class Aerosmith:
     def stop(self) -> None:
         """Rate 0 from whatever it does; never raises."""
         self._exchange.forget()
-        with contextlib.suppress(InstrumentError):
+        try:
             self._command("STO")
+        except InstrumentError:
+            self._exchange.insist("STO", _END)
         if self._envelope.begun:
             self._envelope.demanded(self._clock.now_s(), 0.0)
         self._progress.begin(0.0)

@@ -12,6 +12,7 @@ OPEN_TIMEOUT_S = 3.0
 REPLY_TIMEOUT_S = 2.0
 # A reply without an end of its own is over when nothing more has come for so long.
 _QUIET_S = 0.02
+_INSISTING_S = 0.1
 _LONGEST_REPLY = 4096
 
 
@@ -58,6 +59,13 @@ class Exchange:
         with self._lock, contextlib.suppress(OSError):
             if self._channel is not None and (stale := self._channel.unread()):
                 self._channel.receive_exactly(len(stale), self._timeout_s)
+
+    def insist(self, command: str, end: bytes) -> None:
+        """Send whatever else is on the line, and drop all that comes of it; never raises."""
+        with self._lock, contextlib.suppress(OSError, InstrumentError):
+            self._connected().send(command.encode("ascii") + end)
+            for _ in range(_LONGEST_REPLY):
+                self._connected().receive_exactly(1, _INSISTING_S)
 
     def send(self, command: str, end: bytes) -> None:
         """Send a command to which there is no answer."""

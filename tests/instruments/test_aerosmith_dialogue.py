@@ -136,6 +136,33 @@ def test_a_reply_to_a_command_that_has_none_is_shown() -> None:
             driver.enable()
 
 
+def test_a_reply_that_comes_while_it_is_stopped_does_not_keep_the_stop_from_being_sent() -> None:
+    class Interfering(Trailing):
+        """Between the look at the line and the command, an earlier reply arrives."""
+
+        def send(self, data: bytes) -> None:
+            super().send(data)
+            if data == b"JOG20\r":
+                self._late = True
+
+        _late = False
+
+        def unread(self) -> bytes:
+            if self._late:
+                self._late = False
+                return b""
+            if self._turns[:1] == [told("STO")] and self._turns[1:] == []:
+                self._replies += b"33.0\r\n>"
+            return super().unread()
+
+    with Interfering([*OPEN, *ENABLE, told("JOG20"), told("STO")]) as wire:
+        driver = table(wire)
+        driver.open()
+        driver.enable()
+        driver.set_rate(20.0)
+        driver.stop()
+
+
 def test_silence_names_what_to_look_at() -> None:
     turns: list[Turn] = [(b"*IDN?\r", TimeoutError())]
     with Dialogue(turns) as wire, pytest.raises(InstrumentError, match="the settings of the line right"):
