@@ -16,6 +16,7 @@ _CLASSES = {
     "34465a": "gyrotest.simulation.meter_peer:MeterPeer",
     "stim210": "gyrotest.simulation.stim_peer:StimPeer",
     "stim300": "gyrotest.simulation.stim_peer:StimPeer",
+    "line_stream": "gyrotest.simulation.line_peer:LinePeer",
     "acutrol3000": "gyrotest.simulation.table_peer:TablePeer",
     "aerosmith": "gyrotest.simulation.table_peer:TablePeer",
     "34970a": "gyrotest.simulation.scanner_peer:ScannerPeer",

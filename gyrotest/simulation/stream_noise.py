@@ -117,7 +117,8 @@ class StreamNoise:
         points = np.append(self._state[group.places].sum(), after.sum(axis=0))
         self._state[group.places] = after[:, -1]
         share = (np.arange(group.span) + 0.5) / group.span
-        return np.asarray(points[:-1, None] + np.diff(points)[:, None] * share)
+        rise = points[1:] - points[:-1]
+        return np.asarray(points[:-1, None] + rise[:, None] * share)
 
 
 def _accumulate(

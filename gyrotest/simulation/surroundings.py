@@ -97,20 +97,22 @@ class Surroundings:
 
     def _angles_deg(self, times_s: NDArray[np.float64]) -> NDArray[np.float64] | None:
         table = self._of(self._slot.table)
-        return table.angle_deg(times_s) if isinstance(table, Turning) else None
+        if table is None or not isinstance(table, Turning):
+            return None
+        return table.angle_deg(times_s)
 
     def temperatures_degc(self, times_s: NDArray[np.float64]) -> NDArray[np.float64]:
         """The unit's temperatures."""
         chamber = self._of(self._slot.chamber)
-        if isinstance(chamber, Heating):
+        if chamber is not None and isinstance(chamber, Heating):
             return chamber.temperature_degc(times_s)
         return np.full(times_s.shape, REFERENCE_DEGC)
 
     @property
     def power(self) -> Powered | None:
         """The output that feeds the unit; None where it has power whatever the supply does."""
-        supply = self._of(self._slot.supply)
-        if not self._powered or not isinstance(supply, Powering):
+        supply = self._of(self._slot.supply) if self._powered else None
+        if supply is None or not isinstance(supply, Powering):
             return None
         return supply.output(self._slot.supply_output)
 
