@@ -35,11 +35,15 @@ class _Demand:
 class Power:
     """One unit's supply. Whatever goes wrong while it is switched on, it is switched off again.
 
-    Time passes through the clock only. Every method but `off` raises `InstrumentError`.
+    Time passes through the clock only. Every method but `off` raises `InstrumentError`, whose message
+    begins with `name`.
     """
 
-    def __init__(self, supply: PowerSupply, how: Supply, *, clock: Clock) -> None:
+    def __init__(
+        self, supply: PowerSupply, how: Supply, *, clock: Clock, name: str = "power supply"
+    ) -> None:
         self._supply = supply
+        self._name = name
         self._clock = clock
         self._off_time_s = how.off_time.to("s")
         self._demand = _Demand(
@@ -127,7 +131,7 @@ class Power:
         while (found := self._supply.measure()).voltage_v >= _DOWN_V:
             if self._clock.now_s() - began_s > _DOWN_WITHIN_S:
                 raise InstrumentError(
-                    f"power supply: {found.voltage_v:.3g} V remain {_DOWN_WITHIN_S:g} s after switching off,"
+                    f"{self._name}: {found.voltage_v:.3g} V remain {_DOWN_WITHIN_S:g} s after switching off,"
                     f" less than {_DOWN_V:g} V is expected; does another source feed the unit, or is a"
                     " large capacitance without a load?"
                 )
@@ -141,7 +145,7 @@ class Power:
     def _refuse_trip(self, found: Supplied) -> None:
         if found.tripped:
             raise InstrumentError(
-                f"power supply: the over-voltage protection has tripped: {self._demand} is asked for,"
+                f"{self._name}: the over-voltage protection has tripped: {self._demand} is asked for,"
                 f" protection at {self._demand.over_voltage_v:.4g} V, found {_shown(found)}; is the spec's"
                 " over_voltage too near the voltage, or does something feed back? Clear it at the supply"
             )
@@ -155,13 +159,13 @@ class Power:
             else "does something else feed the unit?"
         )
         return (
-            f"power supply: the voltage does not come up: {self._demand} is asked for, found {_shown(found)}"
+            f"{self._name}: the voltage does not come up: {self._demand} is asked for, found {_shown(found)}"
             f" {took_s:.2g} s after switching on; {cause}"
         )
 
     def _limited(self, found: Supplied) -> str:
         return (
-            f"power supply: in current limit: {self._demand} is asked for, found {_shown(found)}; is the"
+            f"{self._name}: in current limit: {self._demand} is asked for, found {_shown(found)}; is the"
             " unit connected with the right polarity, is it or its cable shorted, or is the spec's"
             " current_limit too low for it?"
         )

@@ -19,10 +19,14 @@ _SWING = 2.0
 
 
 class ChamberDrive:
-    """A chamber that is brought to a step's temperature and watched while it is sampled."""
+    """A chamber that is brought to a step's temperature and watched while it is sampled.
 
-    def __init__(self, chamber: Chamber, *, clock: Clock) -> None:
+    Messages begin with `name`.
+    """
+
+    def __init__(self, chamber: Chamber, *, clock: Clock, name: str = "temperature chamber") -> None:
         self._chamber = chamber
+        self._name = name
         self._clock = clock
         self._soaking: Soaking | None = None
         self._read_degc: list[float] = []
@@ -45,7 +49,8 @@ class ChamberDrive:
             if now_s >= deadline_s or _stands_still(
                 now_s - began_s, way_c=way_c, moved_c=abs(found_degc - from_degc), held=held
             ):
-                raise InstrumentError(_not_reached(soaking, from_degc, found_degc, now_s - began_s))
+                told = _not_reached(soaking, from_degc, found_degc, now_s - began_s)
+                raise InstrumentError(f"{self._name}: {told}")
             until_s = now_s + _POLL_S
             if within_s is not None:
                 until_s = min(until_s, within_s + soaking.soak_s)
@@ -62,7 +67,7 @@ class ChamberDrive:
         self._read_degc.append(found_degc)
         if abs(found_degc - soaking.temperature_degc) > _SWING * soaking.tolerance_c:
             raise InstrumentError(
-                f"temperature chamber: {found_degc:.2f} °C in the middle of a step at"
+                f"{self._name}: {found_degc:.2f} °C in the middle of a step at"
                 f" {soaking.temperature_degc:g} °C (± {soaking.tolerance_c:g} °C, twice that while it is"
                 " sampled); was its door opened, or did it stop?"
             )
@@ -79,7 +84,7 @@ def _stands_still(elapsed_s: float, *, way_c: float, moved_c: float, held: bool)
 
 def _not_reached(soaking: Soaking, from_degc: float, found_degc: float, took_s: float) -> str:
     return (
-        f"temperature chamber: {soaking.temperature_degc:g} °C is asked for, found {found_degc:.2f} °C after"
+        f"{soaking.temperature_degc:g} °C is asked for, found {found_degc:.2f} °C after"
         f" {took_s / 60.0:.0f} min, from {from_degc:.2f} °C; it is to hold within {soaking.tolerance_c:g} °C"
         f" for {soaking.soak_s / 60.0:.3g} min; does it run, is its door closed, and can it go there?"
     )
