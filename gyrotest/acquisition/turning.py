@@ -195,8 +195,13 @@ class TableDrive:
             self._between_plans = False
 
     def _settle(self, turning: Turning, deadline_s: float) -> None:
-        while abs((read_dps := self._table.rate_dps()) - turning.rate_dps) > turning.tolerance_dps:
-            if self._clock.now_s() >= deadline_s:
+        while True:
+            # A rate that is a mean over a while counts only if all of the while was after the deadline.
+            begun_s = self._clock.now_s()
+            read_dps = self._table.rate_dps()
+            if abs(read_dps - turning.rate_dps) <= turning.tolerance_dps:
+                return
+            if begun_s >= deadline_s:
                 self._table.stop()
                 raise InstrumentError(
                     f"{self._name}: {turning.rate_dps:g} deg/s is demanded, {read_dps:.6g} deg/s read back after"

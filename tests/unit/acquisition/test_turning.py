@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 
 from gyrotest.acquisition.turning import TableDrive, motion_faults
 from gyrotest.errors import InstrumentError
@@ -205,6 +207,28 @@ def test_after_a_plan_the_cables_are_unwound_the_way_they_were_wound() -> None:
     assert bench.port.position_deg() == pytest.approx(0.0, abs=5.0)
     assert bench.table.read_rate_dps() == pytest.approx(0.0, abs=0.1)
     assert bench.table.angle_deg(np.linspace(0.0, bench.clock.now_s(), 5000)).min() > -30.0
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    st.lists(st.sampled_from([-150.0, -80.0, -10.0, 0.0, 10.0, 80.0, 150.0]), min_size=1, max_size=6),
+    st.sampled_from([2.0, 4.0, 8.0]),
+)
+def test_a_plan_that_is_let_through_never_turns_beyond_the_cables(
+    rates_dps: list[float], max_turns: float
+) -> None:
+    plan = plan_of(*rates_dps, samples=4)
+    motion = cables(max_turns)
+    assume(not motion_faults(plan, motion, 1.0))
+    bench = Bench(motion)
+    for step in plan.steps:
+        assert isinstance(step.stimulus, Turning)
+        bench.drive.reach(replace(step.stimulus, tolerance_dps=0.1))
+        bench.dwell(4.0)
+    bench.drive.rest()
+    turned_deg = bench.table.angle_deg(np.linspace(0.0, bench.clock.now_s(), 20_000))
+    assert np.abs(turned_deg).max() <= 360.0 * max_turns
+    assert abs(turned_deg[-1]) <= 5.0
 
 
 def test_with_a_slip_ring_it_stays_where_it_comes_to_rest() -> None:
