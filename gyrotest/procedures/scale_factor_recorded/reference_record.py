@@ -169,9 +169,10 @@ def _refuse_clipped(
     step = max(digital_step(outputs.values) or 0.0, noise)
     for extreme in (outputs.values.max(), outputs.values.min()):
         edges = np.flatnonzero(np.diff(np.concatenate(([0], outputs.values == extreme, [0]))))
-        for begin, end in zip(edges[::2], edges[1::2], strict=True):
+        runs = edges.reshape(-1, 2)
+        for begin, end in runs[runs[:, 1] - runs[:, 0] >= _CLIPPED_FOR].tolist():
             moved = abs(fit.slope) * float(np.ptp(reference_dps[begin:end]))
-            if end - begin >= _CLIPPED_FOR and moved > _CLIPPED_STEPS * step:
+            if moved > _CLIPPED_STEPS * step:
                 raise InsufficientDataError(
                     f"{context.case_name}: {end - begin} samples from sample {int(outputs.place[begin])} on"
                     f" all read {plain(float(extreme), 6)} {outputs.unit} while the reference moves: the"
