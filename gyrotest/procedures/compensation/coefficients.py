@@ -45,7 +45,7 @@ def fitted_coefficients(context: Context, from_case: str) -> Coefficients:
     if earlier is None:
         known = ", ".join(f"'{one}'" for one in context.earlier) or "none"
         raise InsufficientDataError(
-            f"{context.case_name}: parameters.from_case is '{from_case}', of which there are no results"
+            f"{context.case_name}: parameters.scale_factor_from is '{from_case}', of which there are no results"
             f" (judged before this case: {known}); put a case of that name, of procedure 'scale_factor',"
             " before this one, and run both"
         )

@@ -24,7 +24,7 @@ class CompensationParameters(TableParameters):
 
     __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
 
-    from_case: Annotated[
+    scale_factor_from: Annotated[
         str,
         Described(
             "the `scale_factor` case, which stands before this one, whose scale factor and bias are applied",
@@ -68,9 +68,9 @@ def compensation_complaints(
 ) -> Iterator[tuple[str, str]]:
     """Give what is wrong with a compensation case beyond its types: key and message."""
     yield from table_complaints(case, parameters, output)
-    if not parameters.from_case.strip():
+    if not parameters.scale_factor_from.strip():
         yield (
-            "parameters.from_case",
+            "parameters.scale_factor_from",
             "is empty; name the case of procedure 'scale_factor' before this one",
         )
     if not parameters.rates:

@@ -45,7 +45,7 @@ class Compensation:
     def reduce(self, samples: Samples, context: Context) -> Reduction:
         """Return the residuals and the coefficients; raises `InsufficientDataError`."""
         parameters: CompensationParameters = context.parameters
-        coefficients = fitted_coefficients(context, parameters.from_case)
+        coefficients = fitted_coefficients(context, parameters.scale_factor_from)
         found = verification(samples, context, coefficients, parameters.rule)
         results = compensation_results(found, coefficients, context)
         return Reduction(

@@ -37,12 +37,18 @@ def compensation_results(
     missing = tuple(_missing(context))
     own = {
         "before": f"nominal scale factor and zero; {earth_words(found.share_dps)}",
-        "after": f"scale factor and bias of '{coefficients.from_case}'",
+        "after": f"scale factor and bias of '{coefficients.from_case}'; {_earth_after(found, coefficients)}",
     }
     return tuple(
         result
         for when, residuals in (("before", found.before), ("after", found.after))
         for result in _pair(when, residuals, found, own[when], missing)
+    )
+
+
+def _earth_after(found: Verification, coefficients: Coefficients) -> str:
+    return (
+        "the bias holds the Earth's rate" if coefficients.holds_earth else earth_words(found.share_dps)
     )
 
 
@@ -57,7 +63,7 @@ def _pair(
     at = plain(float(found.rates_dps[place]), 4).replace("-", _MINUS)
     names = (f"residual_rms_{when}", f"residual_max_{when}")
     conditions = (
-        f"{found.rates_dps.size} steps; {condition}; known to {rate_text(rms.error)} rms",
+        f"{found.rates_dps.size} steps; {condition}; errors of the means, table and meter {rate_text(rms.error)} rms",
         f"at {at} °/s: {rate_text(float(residuals.values_dps[place]), 3)}; {condition}",
     )
     sizes: tuple[RootMeanSquare | Magnitude, ...] = (rms, largest)

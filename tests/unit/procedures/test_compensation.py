@@ -30,7 +30,7 @@ from tests.unit.procedures.turntable import (
     table_output,
 )
 
-PARAMETERS = CompensationParameters(from_case="fit")
+PARAMETERS = CompensationParameters(scale_factor_from="fit")
 
 
 def compensation_case(**changes: Any) -> Case:
@@ -274,9 +274,9 @@ def test_the_plan_rests_and_turns_each_rate_both_ways() -> None:
 @pytest.mark.parametrize(
     ("parameters", "key", "message"),
     [
-        ({"from_case": " "}, "parameters.from_case", "is empty"),
-        ({"from_case": "fit", "rates": []}, "parameters.rates", "is empty"),
-        ({"from_case": "fit", "rates": ["0 deg/s"]}, "parameters.rates[0]", "no turn"),
+        ({"scale_factor_from": " "}, "parameters.scale_factor_from", "is empty"),
+        ({"scale_factor_from": "fit", "rates": []}, "parameters.rates", "is empty"),
+        ({"scale_factor_from": "fit", "rates": ["0 deg/s"]}, "parameters.rates[0]", "no turn"),
     ],
 )
 def test_a_case_that_cannot_verify_is_refused(
