@@ -1,4 +1,4 @@
-"""With what was measured: the instruments of the unit's place on the bench, and who answered there."""
+"""With what was measured: the instruments that were used, and who answered there."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -28,18 +28,25 @@ class Equipment:
 
 
 def equipment(record: RunRecord) -> tuple[Equipment, ...]:
-    """List every instrument of the unit's slot, once for each identity found there."""
+    """List every instrument that was used, once for each identity found there."""
     return tuple(_equipment(record))
 
 
-def instruments_of_slot(record: RunRecord) -> Mapping[str, Instrument]:
-    """Return what reads, turns, feeds or heats the unit; of an unknown slot all of the station."""
+def instruments_used(record: RunRecord) -> Mapping[str, Instrument]:
+    """Return what read, turned, fed or heated the unit; of an unknown slot all of the station."""
     station = record.header.station.station
     slot = station.slots.get(record.header.slot)
     if slot is None:
         return station.instruments
-    used = {use.name for item in record.items for one in item.attempts for use in one.instruments}
-    wanted = {slot.source, slot.table, slot.supply, slot.chamber, *used}
+    attempts = [one for item in record.items for one in item.attempts]
+    dwells = [held for one in attempts if one.recording for held in one.recording.dwells]
+    wanted = {slot.source, *(use.name for one in attempts for use in one.instruments)}
+    if record.header.spec.spec.supply is not None:
+        wanted.add(slot.supply or "")
+    if any(one.rate_dps is not None for one in dwells):
+        wanted.add(slot.table or "")
+    if any(one.temperature_degc is not None for one in dwells):
+        wanted.add(slot.chamber or "")
     return {name: one for name, one in station.instruments.items() if name in wanted}
 
 
@@ -53,7 +60,7 @@ def is_unit(record: RunRecord, name: str) -> bool:
 def _equipment(record: RunRecord) -> Iterator[Equipment]:
     uses = [use for item in record.items for attempt in item.attempts for use in attempt.instruments]
     station = record.header.station.station
-    for name, instrument in instruments_of_slot(record).items():
+    for name, instrument in instruments_used(record).items():
         found = list(dict.fromkeys(use.identity for use in uses if use.name == name))
         if not found:
             yield _entry(record, name, instrument, None)
@@ -72,7 +79,7 @@ def _entry(
     calibration = instrument.calibration if instrument else None
     unit = is_unit(record, name)
     absent = _NOT_APPLICABLE if unit else NOT_STATED
-    made_by = f"{identity.manufacturer} {identity.model}".strip() if identity else "not used"
+    made_by = f"{identity.manufacturer} {identity.model}".strip() if identity else NOT_STATED
     expected = instrument.serial_number if instrument else None
     return Equipment(
         name=f"{name} ({instrument.driver})" if instrument else name,

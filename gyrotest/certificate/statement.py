@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from gyrotest.certificate.equipment import instruments_of_slot, is_unit
+from gyrotest.certificate.equipment import instruments_used, is_unit
 from gyrotest.certificate.looks import LOOKS, RULE_WORDS
 from gyrotest.certificate.order import in_order
 from gyrotest.certificate.printing import numbers_in_words
@@ -135,7 +135,7 @@ def _calibrations(record: RunRecord) -> Iterator[str]:
     if record.simulated or record.replayed:
         return
     day = record.header.started_utc.date()
-    for name, instrument in instruments_of_slot(record).items():
+    for name, instrument in instruments_used(record).items():
         if is_unit(record, name):
             continue
         if instrument.calibration is None:

@@ -171,6 +171,19 @@ def test_the_unit_itself_needs_no_calibration() -> None:
     assert not any("'gyro'" in text for text in deviations(record))
 
 
+def test_only_what_was_used_is_listed() -> None:
+    def names(record: RunRecord) -> list[str]:
+        return [one.name for one in equipment(record)]
+
+    turned = bench_records.rate_table()
+    assert names(turned) == ["gyro (stim300)", "table (acutrol3000)", "supply (scpi_supply)"]
+    bare = each(turned, lambda one: dataclasses.replace(one, instruments=()))
+    assert names(bare) == names(turned)
+    still = each(bench_records.three_axes(), lambda one: dataclasses.replace(one, instruments=()))
+    assert names(still) == ["gyro (stim300)"]
+    assert "chamber (chamber)" in names(soaked(still))
+
+
 def test_events_of_several_items_are_said_once() -> None:
     record = each(
         bench_records.rate_table(), lambda one: dataclasses.replace(one, events=("resynchronised",))

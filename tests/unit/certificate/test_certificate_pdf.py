@@ -17,7 +17,7 @@ from gyrotest.errors import CertificateError, RefusedError
 from gyrotest.records.result import Verdict
 from gyrotest.records.run import RunRecord
 from gyrotest.records.station import Slot
-from tests.unit.certificate import records
+from tests.unit.certificate import bench_records, records
 
 Pages = Callable[[str], tuple[str, ...]]
 Drawn = Callable[[str], bytes]
@@ -199,7 +199,12 @@ def test_overdue_and_unstated_calibrations_are_deviations() -> None:
             "2": Slot(source="neighbour"),
         },
     )
-    header = dataclasses.replace(record.header, station=dataclasses.replace(document, station=station))
+    spec = dataclasses.replace(record.header.spec.spec, supply=bench_records.supply())
+    header = dataclasses.replace(
+        record.header,
+        station=dataclasses.replace(document, station=station),
+        spec=dataclasses.replace(record.header.spec, spec=spec),
+    )
     changed = dataclasses.replace(record, header=header, items=())
     reader = PdfReader(io.BytesIO(certificate_bytes(changed)))
     text = flat(" ".join(page.extract_text() for page in reader.pages))
