@@ -63,7 +63,7 @@ def _pair(
     at = plain(float(found.rates_dps[place]), 4).replace("-", _MINUS)
     names = (f"residual_rms_{when}", f"residual_max_{when}")
     conditions = (
-        f"{found.rates_dps.size} steps; {condition}; errors of the means, table and meter {rate_text(rms.error)} rms",
+        f"{found.rates_dps.size} steps; {condition}; with errors of {rate_text(rms.error)} rms",
         f"at {at} °/s: {rate_text(float(residuals.values_dps[place]), 3)}; {condition}",
     )
     sizes: tuple[RootMeanSquare | Magnitude, ...] = (rms, largest)
