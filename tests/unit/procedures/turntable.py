@@ -66,7 +66,7 @@ def table_case(**changes: Any) -> Case:
 
 
 def table_output(**changes: Any) -> Output:
-    return voltage_output(full_scale=Quantity(100.0, "deg/s"), **changes)
+    return voltage_output(**{"full_scale": Quantity(100.0, "deg/s"), **changes})
 
 
 def table_context(plan: Plan, **changes: Any) -> Context:
