@@ -2,23 +2,18 @@
 
 import math
 import re
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrotest.errors import (
-    InstrumentError,
-    InstrumentProtocolError,
-    InstrumentTimeoutError,
-    OverloadError,
-)
+from gyrotest.errors import InstrumentError, InstrumentProtocolError, InstrumentTimeoutError
 from gyrotest.instruments import scpi
 from gyrotest.instruments.identity import Expected
 from gyrotest.instruments.pacing import Grid, margin_s
 from gyrotest.instruments.scanner_commands import Scan
 from gyrotest.instruments.scanner_readings import SweepReader, Sweeps
+from gyrotest.instruments.scanner_samples import first_trouble, samples_of
 from gyrotest.instruments.scanner_settings import Keysight34970ASettings, is_channel
 from gyrotest.instruments.scpi import Setting
 from gyrotest.instruments.session import Session
@@ -37,22 +32,12 @@ _TRIAL_SWEEPS = 2
 _POLL_S = 5.0
 _GRACE_S = 2.0
 _CLOCK_TOLERANCE = 1e-3
-# A sweep further than this from its place on the timer's grid is another sweep.
-_OFF_GRID = 0.25
 
 _EXPECTED = Expected(
     manufacturer=re.compile("HEWLETT|HP|AGILENT|KEYSIGHT", re.IGNORECASE),
     model=re.compile("34970A|34972A|DAQ970A|DAQ973A", re.IGNORECASE),
     spoken="a Keysight 34970A, 34972A, DAQ970A or DAQ973A",
 )
-
-
-@dataclass(frozen=True, slots=True)
-class _Trouble:
-    """What is wrong with the sweep at a place in a block."""
-
-    at: int
-    error: InstrumentError
 
 
 class Keysight34970A:
@@ -81,7 +66,12 @@ class Keysight34970A:
         self._accuracy = accuracy
         self._resource = resource
         self._session = Session(
-            resource, _EXPECTED, serial_number=serial_number, io_timeout_s=io_timeout_s, connect=connect
+            resource,
+            _EXPECTED,
+            line=settings.line,
+            serial_number=serial_number,
+            io_timeout_s=io_timeout_s,
+            connect=connect,
         )
         self._newer = False
         self._scan = Scan(settings=settings, outputs=(), auxiliary=())
@@ -316,65 +306,35 @@ class Keysight34970A:
 
     def _block(self, sweeps: Sweeps) -> Block:
         """Samples of these sweeps; those before a trouble go out first, the trouble with the next fetch."""
-        places, outputs = self._scan.places, len(self._scan.outputs)
-        columns = [scpi.samples_of(sweeps.values[:, place], 1) for place in places]
-        values = np.column_stack([one for one, _ in columns])
-        flags = np.column_stack([one for _, one in columns])
-        times_s = sweeps.times_s[:, places[0]]
-        trouble = self._trouble(flags[:, outputs:], times_s)
-        count = len(times_s) if trouble is None else trouble.at
-        self._fault = None if trouble is None else trouble.error
-        if trouble is not None and not count:
-            self._fault = None
-            raise trouble.error
+        samples, grid = samples_of(sweeps, self._scan), self._laid_grid()
+        due_s = self._due_s(samples.times_s, grid.interval_s)
+        trouble = first_trouble(
+            samples,
+            self._scan,
+            due_s=due_s,
+            interval_s=grid.interval_s,
+            who=self._session.talk.who,
+        )
+        count = len(due_s) if trouble is None else trouble.at
+        if trouble is not None:
+            if not count:
+                raise trouble.error
+            self._fault = trouble.error
         first, self._position = self._position, self._position + count
-        start_s = self._init_s - self._laid_grid().deadline_s(0)
         return Block(
             first=first,
-            time_s=start_s + times_s[:count],
-            values=np.ascontiguousarray(self._scaled(values[:count])),
-            flags=np.bitwise_or.reduce(flags[:count, :outputs], axis=1),
+            time_s=self._init_s - grid.deadline_s(0) + samples.times_s[:count],
+            values=np.ascontiguousarray(samples.values[:count]),
+            flags=np.bitwise_or.reduce(samples.flags[:count, : len(self._scan.outputs)], axis=1),
         )
 
-    def _scaled(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Voltages beside the output turned into what they stand for."""
-        for column, channel in enumerate(self._scan.auxiliary, start=len(self._scan.outputs)):
-            beside = self._settings.at(channel)
-            if not beside.is_temperature:
-                values[:, column] = beside.at_zero_volt + beside.per_volt * values[:, column]
-        return values
-
-    def _trouble(self, beside: NDArray[np.uint8], times_s: NDArray[np.float64]) -> _Trouble | None:
-        """The first sweep that is not where it belongs, or lacks what is recorded beside the output."""
-        found = [*self._off_grid(times_s), *self._open_probes(beside)]
-        return min(found, key=lambda one: one.at, default=None)
-
-    def _off_grid(self, times_s: NDArray[np.float64]) -> list[_Trouble]:
-        interval_s = self._laid_grid().interval_s
-        begun_s = self._begun_s = float(times_s[0]) if self._begun_s is None else self._begun_s
-        steps = np.arange(self._position - self._first, self._position - self._first + len(times_s))
-        late_s = times_s - begun_s - steps * interval_s
-        off = np.flatnonzero(np.abs(late_s) > _OFF_GRID * interval_s)
-        if not off.size:
-            return []
-        at = int(off[0])
-        error = InstrumentProtocolError(
-            f"{self._session.talk.who}: sample {self._position + at} was taken {late_s[at]:.3g} s from its"
-            f" time; sweeps are missing, or longer than the interval of {interval_s:g} s"
-        )
-        return [_Trouble(at, error)]
-
-    def _open_probes(self, beside: NDArray[np.uint8]) -> list[_Trouble]:
-        bad = np.argwhere(beside)
-        if not len(bad):
-            return []
-        at, column = (int(one) for one in bad[0])
-        channel = self._scan.auxiliary[column]
-        error = OverloadError(
-            f"{self._session.talk.who}: overload on channel {channel} ({self._settings.at(channel).function})"
-            f" at sample {self._position + at}; is the probe connected, or broken?"
-        )
-        return [_Trouble(at, error)]
+    def _due_s(self, times_s: NDArray[np.float64], interval_s: float) -> NDArray[np.float64]:
+        """When these samples are due on the timer's grid, which the first one of the scan has laid."""
+        if self._begun_s is None:
+            self._begun_s = float(times_s[0])
+        step = self._position - self._first
+        steps = np.arange(step, step + len(times_s), dtype=np.float64)
+        return np.asarray(self._begun_s + interval_s * steps)
 
     def _begun_reader(self) -> SweepReader:
         if self._reader is None:

@@ -219,7 +219,7 @@ def test_a_probe_that_is_not_connected_is_told() -> None:
     with (
         served({101: SteadyOutput(1.0)}) as bench,
         closing(bench.driver()) as source,
-        pytest.raises(OverloadError, match=r"overload on channel 110 \(thermocouple\) at sample 0"),
+        pytest.raises(OverloadError, match=r"overload on channel 110 \(thermocouple\); is the probe"),
     ):
         acquired(source, ("101",), ("110",))
 
