@@ -9,7 +9,7 @@ import functools
 import json
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, cast
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -32,7 +32,10 @@ class Complaint:
 
 @dataclass(frozen=True, slots=True)
 class Checked(Generic[Record]):
-    """A record and the complaints about the tree that it was made from."""
+    """A record and the complaints about the tree that it was made from.
+
+    Where the record refuses even a tree of stand-ins, it is None, and there are complaints.
+    """
 
     record: Record
     complaints: tuple[Complaint, ...]
@@ -52,6 +55,8 @@ def checked(tree: Any, record: type[Record], found: Iterable[Complaint] = ()) ->
         complaints += [one for one in wrong if not related(one.key, complaints)]
         for one in wrong:
             tree = _replace(tree, shape, one.key)
+    if any(not one.key for one in wrong):
+        return Checked(cast("Record", None), tuple(complaints))
     raise RuntimeError(f"no stand-in is accepted for {[one.key for one in wrong]}")
 
 

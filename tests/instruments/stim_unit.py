@@ -116,6 +116,7 @@ class Unit:
         self.spoilt: dict[int, Callable[[bytes], bytes]] = {}
         self.answers: dict[bytes, bytes] = {}
         self.asked = bytearray()
+        self.commands: list[bytes] = []
         self.silent = False
         self.sent = 0
         self._begun_s = clock.now_s()
@@ -157,6 +158,7 @@ class Unit:
         while b"\r" in self.asked:
             command, _, rest = bytes(self.asked).partition(b"\r")
             self.asked = bytearray(rest)
+            self.commands.append(command)
             self._write(self.answers.get(command, b""))
 
     def _write(self, data: bytes) -> None:

@@ -141,9 +141,7 @@ class Flow:
     def remarks(self) -> tuple[str, ...]:
         """What was lost since the first start."""
         lost, gaps = self._sampler.lost, self._sampler.gaps
-        told = (
-            f"{lost} samples lost in {gaps} gap{'s' if gaps != 1 else ''}" if lost else "no sample lost"
-        )
+        told = f"{many(lost, 'sample')} lost in {many(gaps, 'gap')}" if lost else "no sample lost"
         return (told, *self._decoder.remarks())
 
     def _restart(self) -> None:

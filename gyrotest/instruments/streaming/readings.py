@@ -66,7 +66,9 @@ class Counter:
 class Decoder(Protocol):
     """Finds readings in bytes as they arrive."""
 
-    reading_bytes: float
+    @property
+    def reading_bytes(self) -> float:
+        """Bytes of one reading, of the shortest where they differ."""
 
     def restart(self) -> None:
         """Forget what has arrived; what comes first may be part of a reading."""
