@@ -56,7 +56,7 @@ def _scaled(values: NDArray[np.float64], factor: float, offset: float) -> NDArra
     return scaled
 
 
-def scale_factor_complaints(output: Output) -> Iterator[tuple[str, str]]:
+def nominal_complaints(output: Output) -> Iterator[tuple[str, str]]:
     """Give what a procedure that turns outputs into rates by the nominal scale factor has to complain of."""
     if output.kind is OutputKind.COUNT and output.scale_factor is None:
         yield (

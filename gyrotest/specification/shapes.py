@@ -140,7 +140,8 @@ def stand_in(shape: Shape) -> Any:
 def _stand_in_of_parts(shape: Shape) -> Any:
     parts = typing.get_args(shape.kind)
     if shape.origin in {typing.Union, types.UnionType}:
-        return stand_in(shape_of(parts[0]))
+        # A record may take few of all texts; its own example is one of them.
+        return shape.described.example or stand_in(shape_of(parts[0]))
     if shape.origin is tuple and ... not in parts:
         return [stand_in(shape_of(one)) for one in parts]
     return {} if shape.origin in {Mapping, dict} else []

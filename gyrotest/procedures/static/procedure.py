@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Any
 
-from gyrotest.procedures.scaling import scale_factor_complaints
+from gyrotest.procedures.scaling import nominal_complaints
 from gyrotest.procedures.static.bias import bias_result
 from gyrotest.procedures.static.bias_over_repeats import bias_over_repeats
 from gyrotest.procedures.static.figures import static_figures
@@ -42,7 +42,7 @@ class Static:
         self, case: Case, parameters: StaticParameters, output: Output
     ) -> Iterable[tuple[str, str]]:
         """Give what is wrong with a case beyond its types."""
-        yield from scale_factor_complaints(output)
+        yield from nominal_complaints(output)
         yield from static_complaints(case, parameters)
 
     def plan(self, case: Case, parameters: StaticParameters) -> Plan:
