@@ -18,6 +18,7 @@ from gyrotest.instruments import scpi
 from gyrotest.instruments.identity import Expected
 from gyrotest.instruments.session import Session
 from gyrotest.instruments.transport.channel import Connect, FlowControl, Parity, SerialLine
+from gyrotest.instruments.transport.conversation import shown
 from gyrotest.instruments.transport.visa import open_channel
 from gyrotest.ports import Clock
 from gyrotest.records.bench import Supplied
@@ -30,6 +31,9 @@ _STEP_V = 0.01
 _STEP_A = 0.01
 # Held by the limit: the measured current is the limit, but for the read-back's own error.
 _AT_LIMIT = 0.985
+
+# Some say it in words.
+_WORDS = {"ON": True, "YES": True, "OFF": False, "NO": False}
 
 _ANYBODY = Expected(manufacturer=re.compile(""), model=re.compile(".*"), spoken="a SCPI power supply")
 
@@ -203,7 +207,7 @@ class ScpiSupply:
             return
         self._switched_on = False
         self._write("OUTP OFF")
-        if self._number("OUTP"):
+        if self._flag("OUTP?"):
             raise InstrumentProtocolError(
                 f"{self._who}: still on after OUTP OFF; switch it off at its front panel"
             )
@@ -242,27 +246,36 @@ class ScpiSupply:
 
     def _limiting(self, current_a: float) -> bool:
         if self._settings.limit_query:
-            return self._bit(self._settings.limit_query, self._settings.limit_mask)
+            return self._flag(self._settings.limit_query, self._settings.limit_mask)
         return current_a >= _AT_LIMIT * self._limit_a
 
     def _tripped(self) -> bool:
         if not self._settings.trip_query:
-            return self._switched_on and not self._number("OUTP")
+            return self._switched_on and not self._flag("OUTP?")
         try:
-            return self._bit(self._settings.trip_query, self._settings.trip_mask)
+            return self._flag(self._settings.trip_query, self._settings.trip_mask)
         except InstrumentTimeoutError as error:
             raise InstrumentTimeoutError(
                 f"{error}; where this supply does not know '{self._settings.trip_query}', write the query"
                 " that it knows into the setting trip_query, or ''"
             ) from error
 
-    def _bit(self, given: str, mask: int) -> bool:
+    def _flag(self, given: str, mask: int = 1) -> bool:
+        """Ask for a yes or no: a word, or a number of which these bits count."""
         query = given.replace("{output}", str(self._output))
         if query == given:
             query = self._addressed(query)
         self._choose()
-        found = scpi.number(self._session.talk, query, self._session.timeout_s)
-        return bool(int(found) & mask)
+        talk = self._session.talk
+        reply = talk.query(query, self._session.timeout_s).strip('"').upper()
+        if reply in _WORDS:
+            return _WORDS[reply]
+        try:
+            return bool(int(float(reply)) & mask)
+        except (ValueError, OverflowError):
+            raise InstrumentProtocolError(
+                f"{self._who}: {query} gives {shown(reply.encode())}, expected 0 or 1, or OFF or ON"
+            ) from None
 
     def _choose(self) -> None:
         """Name the output anew each time: another program, or the other slot's driver, may have named one."""

@@ -1,8 +1,9 @@
 """A simulated power supply: outputs with capacitance, load, current limit and over-voltage protection."""
 
 import math
+import threading
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, auto
 
 from gyrotest.ports import Clock
@@ -80,6 +81,7 @@ class SimulatedOutput:
         self.on = False
         self.tripped = False
         self._phase = _Phase()
+        self._lock = threading.RLock()
 
     @property
     def on_since_s(self) -> float | None:
@@ -150,15 +152,11 @@ class SimulatedOutput:
         works_v = _WORKS_FROM * self.voltage_set_v if self.on and self.voltage_set_v else before.works_v
         tau_s = self.figures.rise_s if self.on else self.figures.fall_s
         phase = _Phase(since_s=now_s, from_v=from_v, to_v=to_v, tau_s=tau_s, works_v=works_v)
-        runs_from_s = before.runs_from_s if before.running(now_s) else phase.reaches_s(works_v)
-        self._phase = _Phase(
-            since_s=now_s,
-            from_v=from_v,
-            to_v=to_v,
-            tau_s=tau_s,
-            works_v=works_v,
-            runs_from_s=runs_from_s if self.on or before.running(now_s) else math.inf,
-        )
+        if before.running(now_s):
+            runs_from_s = before.runs_from_s
+        else:
+            runs_from_s = phase.reaches_s(works_v) if self.on else math.inf
+        self._phase = replace(phase, runs_from_s=runs_from_s)
         self._protect(now_s)
 
     def _steady_v(self) -> float:
@@ -173,12 +171,13 @@ class SimulatedOutput:
 
     def _protect(self, now_s: float) -> None:
         """Trip where the voltage has gone above the protection since the last look."""
-        if not self.on or self._phase.voltage_v(now_s) <= self.protection_v:
-            return
-        self.tripped, self.on = True, False
-        phase = self._phase
-        at_s = phase.since_s if phase.from_v > self.protection_v else phase.reaches_s(self.protection_v)
-        self._turn(min(now_s, at_s))
+        with self._lock:
+            if not self.on or self._phase.voltage_v(now_s) <= self.protection_v:
+                return
+            self.tripped, self.on = True, False
+            phase, most_v = self._phase, self.protection_v
+            at_s = phase.since_s if phase.from_v > most_v else phase.reaches_s(most_v)
+            self._turn(min(now_s, at_s))
 
 
 class SimulatedSupply:

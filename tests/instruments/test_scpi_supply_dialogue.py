@@ -303,3 +303,23 @@ def test_off_and_close_before_open_say_nothing() -> None:
 def test_settings_are_checked(settings: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         ScpiSupplySettings(**settings)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("reply", "tripped"), [("NO", False), ("YES", True), ("ON", True), ("+0", False), ("1", True)]
+)
+def test_a_supply_may_answer_in_words(reply: str, tripped: bool) -> None:
+    turns = [*OPENED, *asked(MEAS_VOLT="5", MEAS_CURR="0"), (b"OUTP:OVP:QUES?\n", f"{reply}\n".encode())]
+    with Dialogue([*turns, (b"OUTP OFF\n", None), (b"OUTP?\n", b"OFF\n")]) as wire:
+        one = supply(wire, trip_query="OUTP:OVP:QUES?")
+        one.open()
+        assert one.measure().tripped is tripped
+        one.off()
+
+
+def test_an_answer_that_is_neither_yes_nor_no_is_told() -> None:
+    with Dialogue([*OPENED, (b"OUTP OFF\n", None), (b"OUTP?\n", b"CV\n")]) as wire:
+        one = supply(wire)
+        one.open()
+        with pytest.raises(InstrumentProtocolError, match=r"OUTP\? gives 'CV', expected 0 or 1"):
+            one.off()
