@@ -8,6 +8,7 @@ from pathlib import Path
 
 from gyrotest import __version__
 from gyrotest.cli.analyse import add_analyse
+from gyrotest.cli.simulate import add_simulate
 from gyrotest.errors import GyrotestError
 
 Command = Callable[[argparse.Namespace], int]
@@ -40,7 +41,7 @@ def _parser() -> argparse.ArgumentParser:
     add_analyse(commands)
     _add_check(commands.add_parser("check", help="check spec and station files"))
     _add_schema(commands.add_parser("schema", help="print the JSON Schema of specs or stations"))
-    _add_simulate(commands.add_parser("simulate", help="run a simulated instrument alone"))
+    add_simulate(commands.add_parser("simulate", help="run a simulated instrument alone"))
     _add_report(commands.add_parser("report", help="make a run's certificate again"))
     _add_verify(
         commands.add_parser("verify", help="check a run's folder or a certificate for alterations")
@@ -88,38 +89,6 @@ def _schema(parsed: argparse.Namespace) -> int:
         sys.stdout.write(reference_markdown())
     else:
         _say(json.dumps(json_schema(parsed.what), indent=2, ensure_ascii=False))
-    return 0
-
-
-def _add_simulate(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("instrument", choices=("meter",))
-    parser.add_argument(
-        "--port", type=int, default=5025, help="TCP port (0: any free one; default 5025)"
-    )
-    parser.add_argument(
-        "--pty", action="store_true", help="serve a pseudo-terminal instead (not on Windows)"
-    )
-    parser.add_argument("--model", choices=("34401A", "34465A"), default="34401A")
-    parser.add_argument("--serial", default="1234", help="serial number of the gyro that it reads")
-    parser.add_argument("--scenario", default="nominal")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--fast", action="store_true", help="do not let time pass")
-    parser.set_defaults(command=_simulate)
-
-
-def _simulate(parsed: argparse.Namespace) -> int:
-    from gyrotest.simulation.serve import serve_meter
-
-    serve_meter(
-        model=parsed.model,
-        port=parsed.port,
-        pty=parsed.pty,
-        fast=parsed.fast,
-        serial_number=parsed.serial,
-        scenario=parsed.scenario,
-        seed=parsed.seed,
-        announce=_say,
-    )
     return 0
 
 

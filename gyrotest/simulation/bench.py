@@ -7,17 +7,18 @@ from typing import Self
 from gyrotest.clock import RealClock
 from gyrotest.errors import StationError
 from gyrotest.ports import Clock
-from gyrotest.records.spec import Spec
+from gyrotest.records.spec import OutputKind, Spec
 from gyrotest.records.station import Simulation, Station
 from gyrotest.simulation.clock import VirtualClock
 from gyrotest.simulation.figures import fault
 from gyrotest.simulation.gyro_settings import gyro_parameters, unfit
 from gyrotest.simulation.occasion import Occasion
-from gyrotest.simulation.peer import Making, Peer, Reading
+from gyrotest.simulation.peer import Making, Peer
 from gyrotest.simulation.peers import is_simulated, make_peer
 from gyrotest.simulation.places import fitting_slots
 from gyrotest.simulation.scenarios import SCENARIOS, Scenario
 from gyrotest.simulation.settings import unknown_instruments
+from gyrotest.simulation.streaming import Streaming
 from gyrotest.simulation.wires import Wires, check_way
 from gyrotest.simulation.workplace import Workplace
 
@@ -59,14 +60,15 @@ class SimulatedBench:
         resource = self._station.instruments[source].resource
         if is_simulated(resource):
             check_way(source, resource)
-            if self._gyro.voltage != isinstance(self._peer(source), Reading):
-                raise StationError([fault("simulation", self._unfit(source))])
+            kind, peer = self._spec.output.kind, self._peer(source)
+            fits = peer.kinds if isinstance(peer, Streaming) else {OutputKind.VOLTAGE}
+            if kind not in fits:
+                raise StationError([fault("simulation", self._unfit(source, peer))])
 
-    def _unfit(self, source: str) -> str:
-        if self._gyro.voltage:
-            return (
-                f"the spec's output.kind is 'voltage', and '{source}' reads none: name another station"
-            )
+    def _unfit(self, source: str, peer: Peer) -> str:
+        if isinstance(peer, Streaming):
+            kind = self._spec.output.kind.value
+            return f"the spec's output.kind is '{kind}', which '{source}' does not have; name another station"
         return unfit(self._spec.output)
 
     def simulates(self, name: str) -> bool:

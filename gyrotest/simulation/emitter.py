@@ -19,6 +19,7 @@ class Voice(Protocol):
     rate_hz: float
     period: int
     largest: int
+    sending: bool
 
     def house(self, housed: Housed) -> None:
         """Be this unit from now on."""
@@ -88,7 +89,8 @@ class Emitter:
         sampler, faults = self._sampler, self._faults
         if sampler is None or faults is None:
             return
-        fit = min(due, max(0, outlet.room - len(said)) // self._voice.largest)
+        room = outlet.room - len(said) if self._voice.sending else 0
+        fit = min(due, max(0, room) // self._voice.largest)
         sampler.skip(due - fit)
         data = said
         if fit:

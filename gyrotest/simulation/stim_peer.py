@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.errors import Fault, StationError
-from gyrotest.records.spec import OutputMode
+from gyrotest.records.spec import OutputKind, OutputMode
 from gyrotest.records.station import Station
 from gyrotest.simulation.emitter import Emitter
 from gyrotest.simulation.figures import Figure, fault, figures_of, nearest
@@ -41,6 +41,8 @@ _WIRE_S = 65_535e-6
 
 class StimPeer:
     """A unit set as the station's driver expects it, unless `simulation.instruments` says otherwise."""
+
+    kinds = frozenset({OutputKind.RATE})
 
     def __init__(self, making: Making) -> None:
         model, setup, latency_us = _described(making.station, making.name)
@@ -84,6 +86,7 @@ class _StimVoice:
         self.rate_hz = setup.rate_hz
         self.period = _COUNTER // self._step
         self.largest = self._packer.size
+        self.sending = True
 
     def house(self, housed: Housed) -> None:
         """Be this unit from now on."""

@@ -2,13 +2,19 @@
 
 from typing import Protocol, runtime_checkable
 
+from gyrotest.records.spec import OutputKind
 from gyrotest.simulation.housed import Housed
 from gyrotest.simulation.outlet import Outlet
 
 
 @runtime_checkable
 class Streaming(Protocol):
-    """A peer that is itself the unit under test, and sends its samples as they come."""
+    """A peer that is itself the unit under test, and sends its samples as they come.
+
+    `kinds` are the outputs that it can have.
+    """
+
+    kinds: frozenset[OutputKind]
 
     def house(self, housed: Housed) -> None:
         """Be this unit from now on, for its next record."""

@@ -19,10 +19,15 @@ _WAYS = ("", ":tcp", ":pty", ":prologix", ":prologix-pty")
 
 
 class Wires:
-    """Starts servers and stops them together."""
+    """Starts servers and stops them together.
 
-    def __init__(self, clock: Clock) -> None:
+    `port` is the TCP port of each (0: any free one); `hurried`: nobody else moves the clock.
+    """
+
+    def __init__(self, clock: Clock, *, port: int = 0, hurried: bool = False) -> None:
         self._clock = clock
+        self._port = port
+        self._hurried = hurried
         self._servers: list[Server] = []
         self._boards = 0
 
@@ -44,8 +49,8 @@ class Wires:
 
     def _stream(self, peer: Streaming, way: str) -> str:
         """A line on which the peer sends by itself."""
-        outlet: Outlet = PtyOutlet() if way == ":pty" else TcpOutlet()
-        self._servers.append(Pump(peer.transmit, outlet, self._clock))
+        outlet: Outlet = PtyOutlet() if way == ":pty" else TcpOutlet(self._port)
+        self._servers.append(Pump(peer.transmit, outlet, self._clock, hurried=self._hurried))
         return outlet.address
 
     def _adapted(self, name: str, peer: Peer, *, pty: bool) -> str:
@@ -67,7 +72,7 @@ class Wires:
         return f"{interface}::INTFC GPIB{board}::{_GPIB_ADDRESS}::INSTR"
 
     def _tcp(self, dialogue: Callable[[], Dialogue]) -> int:
-        server = TcpServer(dialogue, self._clock)
+        server = TcpServer(dialogue, self._clock, port=self._port)
         self._servers.append(server)
         return server.port
 

@@ -47,7 +47,7 @@ class TestUsage:
             ["schema", "bench"],
             ["simulate", "meter", "--port", "many"],
             ["simulate", "meter", "--model", "3458A"],
-            ["simulate", "table"],
+            ["simulate", "encoder"],
             ["report"],
             ["verify"],
             ["judge", "run"],

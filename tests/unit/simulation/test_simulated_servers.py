@@ -12,7 +12,7 @@ from gyrotest.errors import RefusedError
 from gyrotest.records.spec import Output, OutputKind, Spec
 from gyrotest.records.station import Instrument, Simulation, Slot, Station
 from gyrotest.simulation.bench import SimulatedBench
-from gyrotest.simulation.serve import StandaloneMeter, serve_meter
+from gyrotest.simulation.serve import Standalone, serve
 from gyrotest.simulation.server import has_pty
 from gyrotest.units import Quantity
 
@@ -239,7 +239,7 @@ def test_only_simulated_resources_are_served() -> None:
 
 
 def test_a_meter_alone_serves_any_program() -> None:
-    with StandaloneMeter(fast=True, model="34465A") as meter:
+    with Standalone(fast=True, model="34465A") as meter:
         port = int(meter.address.split("::")[2])
         with socket.create_connection(("127.0.0.1", port), timeout=5.0) as connection:
             assert b",34465A,SIM" in ask(connection, b"*IDN?\n")
@@ -251,10 +251,10 @@ def test_a_meter_alone_serves_any_program() -> None:
 
 def test_a_busy_port_is_refused_with_its_number() -> None:
     with (
-        StandaloneMeter(fast=True) as meter,
+        Standalone(fast=True) as meter,
         pytest.raises(RefusedError, match=meter.address.split("::")[2]),
     ):
-        StandaloneMeter(fast=True, port=int(meter.address.split("::")[2]))
+        Standalone(fast=True, port=int(meter.address.split("::")[2]))
 
 
 def test_serving_announces_the_address_and_stops() -> None:
@@ -265,7 +265,8 @@ def test_serving_announces_the_address_and_stops() -> None:
         said.append(text)
         stop.set()
 
-    serve_meter(
+    serve(
+        "meter",
         model="34401A",
         port=0,
         pty=False,
@@ -286,7 +287,8 @@ def test_ctrl_c_stops_serving_without_a_traceback() -> None:
         def wait(self, timeout: float | None = None) -> bool:
             raise KeyboardInterrupt
 
-    serve_meter(
+    serve(
+        "meter",
         model="34401A",
         port=0,
         pty=False,
