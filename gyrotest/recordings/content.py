@@ -2,7 +2,7 @@
 
 import json
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -15,6 +15,18 @@ class Content:
     def __init__(self) -> None:
         self.rows = 0
         self._crcs: list[int] = []
+
+    def agrees(self, kept: bytes, columns: Sequence[int] | None) -> bool:
+        """Whether this is what was kept; of a part of the values' columns, by their places: as far as it goes.
+
+        Raises `ValueError`, `KeyError` or `IndexError`.
+        """
+        if columns is None or not self.rows:
+            return kept == self.to_json()
+        found = json.loads(kept)
+        crcs: list[str] = found["crc32"]
+        wanted = [crcs[0], crcs[1], *(crcs[2 + place] for place in columns), crcs[-1]]
+        return bool(found["rows"] == self.rows and wanted == [f"{crc:08x}" for crc in self._crcs])
 
     def watch(self, parts: Iterable[Rows]) -> Iterator[Rows]:
         """Hand rows on and count them in."""

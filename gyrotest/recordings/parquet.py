@@ -1,6 +1,6 @@
 """A recording as a Parquet file: written aside batch by batch, and read batch by batch."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -45,21 +45,24 @@ def read_facts(path: Path) -> Facts:
         return Facts(header=header, rows=rows, gaps=gaps, dwells=dwells)
 
 
-def iterate(path: Path) -> Iterator[Rows]:
+def iterate(path: Path, columns: Sequence[int] | None = None) -> Iterator[Rows]:
     """The rows of a Parquet recording, every checksum verified; raises `RecordingError`.
 
-    That of the whole content is known when the last row was given.
+    `columns` are the places of those that are read (None: all). The checksum of the whole content is
+    known when the last row was given.
     """
     import pyarrow as pa
 
     content = Content()
     with _open(path) as file:
         try:
-            batches = file.iter_batches(batch_size=BATCH_ROWS, use_threads=False)
+            batches = file.iter_batches(
+                batch_size=BATCH_ROWS, use_threads=False, columns=_names(file, columns)
+            )
             yield from content.watch(rows_of_columns(columns_of(batch)) for batch in batches)
         except (pa.ArrowException, OSError, ValueError, RecordingError) as error:
             raise RecordingError(f"{path}: damaged after row {content.rows}: {said(error)}") from error
-        if (file.metadata.metadata or {}).get(CONTENT_KEY) != content.to_json():
+        if not _agrees(content, (file.metadata.metadata or {}).get(CONTENT_KEY, b"{}"), columns):
             raise RecordingError(
                 f"{path}: damaged: its {content.rows} rows are not those that were written"
             )
@@ -95,6 +98,21 @@ def write(path: Path, facts: Facts, parts: Iterable[Rows]) -> None:
             columns = [group.index, group.time_s, *np.ascontiguousarray(group.values.T), group.flags]
             writer.write_table(pa.table([pa.array(one) for one in columns], schema=schema))
         writer.add_key_value_metadata({CONTENT_KEY: content.to_json()})
+
+
+def _names(file: Any, columns: Sequence[int] | None) -> list[str] | None:
+    """The names of the columns that are read, in the file's order: index, time, values, flags."""
+    if columns is None:
+        return None
+    index, time_s, *values, flags = file.schema_arrow.names
+    return [index, time_s, *(values[place] for place in columns), flags]
+
+
+def _agrees(content: Content, kept: bytes, columns: Sequence[int] | None) -> bool:
+    try:
+        return content.agrees(kept, columns)
+    except (ValueError, KeyError, IndexError):
+        return False
 
 
 def _grouped(parts: Iterable[Rows]) -> Iterator[Rows]:

@@ -1,7 +1,7 @@
 """The reader of our own recordings: a Parquet file, or the folder of segments before it."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from gyrotest.errors import RecordingError
@@ -38,24 +38,36 @@ def read_header(path: Path) -> RecordingHeader:
     return parquet.read_facts(path).header
 
 
-def iterate(path: Path) -> Iterator[Rows]:
-    """The rows of a recording, batch by batch, verified; raises `RecordingError` at damage."""
-    if path.is_dir():
-        yield from _iterate_segments(path)
-    else:
-        yield from parquet.iterate(path)
+def iterate(path: Path, columns: Sequence[int] | None = None) -> Iterator[Rows]:
+    """The rows of a recording, batch by batch, verified; raises `RecordingError` at damage.
+
+    `columns` are the places of the values that are wanted, ascending (None: all).
+    """
+    if not path.is_dir():
+        yield from parquet.iterate(path, columns)
+        return
+    for rows in _iterate_segments(path):
+        yield rows if columns is None else replace(rows, values=rows.values[:, columns])
 
 
-def read_samples(path: Path, *, sampling: Sampling | None = None, own_time: bool = False) -> Samples:
+def read_samples(
+    path: Path,
+    *,
+    columns: Sequence[int] | None = None,
+    sampling: Sampling | None = None,
+    own_time: bool = False,
+) -> Samples:
     """A whole recording in memory; raises `RecordingError` if any of it is damaged.
 
-    `sampling` replaces the one in the header. `own_time` also gives the time stamps.
+    `columns` are the places of those that are read (None: all), ascending. `sampling` replaces the one
+    in the header, and describes what is read. `own_time` also gives the time stamps.
     `Samples.index` is None where no sample is missing.
     """
     header = read_header(path)
     rows = parquet.read_facts(path).rows if path.is_file() else _count(path)
-    assembly = Assembly(rows, len(header.sampling.columns), own_time=own_time)
-    for part in iterate(path):
+    count = len(header.sampling.columns if columns is None else columns)
+    assembly = Assembly(rows, count, own_time=own_time)
+    for part in iterate(path, columns):
         assembly.add(part)
     return assembly.samples(sampling or header.sampling)
 

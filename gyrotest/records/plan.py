@@ -51,12 +51,14 @@ class Plan:
     """One acquisition: warm up (once after each power-on), then the steps, a sample every `interval_s`.
 
     The samples of all steps stand in one recording and are numbered through; what passes between two
-    steps (run-up, settling) is no gap.
+    steps (run-up, settling) is no gap. `auxiliary` names what the reduction looks at beside the output,
+    each by its name or how that begins; all else is recorded and not read again.
     """
 
     warm_up_s: float
     interval_s: float
     steps: tuple[Step, ...]
+    auxiliary: tuple[str, ...] = ()
 
     @property
     def samples(self) -> int:

@@ -106,6 +106,7 @@ def _judge_one(run: UnitRun, item: PlannedItem, attempt: Attempt, recording: Rec
             recording=replace(recording, path=f"../{recording.path}"),
             results=(),
             figures=(),
+            exports=(),
         )
     )
     if recording.complete:

@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-
-import numpy as np
+from pathlib import Path
 
 from gyrotest.conformity import judge
+from gyrotest.recordings.reader import read_samples
 from gyrotest.records.figure import Figure
-from gyrotest.records.plan import Reduction
-from gyrotest.records.recording import Samples
+from gyrotest.records.plan import Plan, Reduction
+from gyrotest.records.recording import Samples, Sampling
 from gyrotest.records.result import JudgedResult, Result
 from gyrotest.records.run import Attempt
 from gyrotest.records.spec import Case, Output, Over
@@ -45,27 +45,22 @@ def axis_case(case: Case, axis: str) -> Case:
     return replace(case, mounting=case.mountings.get(axis)) if case.mountings else case
 
 
-def axis_samples(samples: Samples, axis: str) -> Samples:
-    """An axis's samples, what was recorded beside behind them; without a copy where there is nothing."""
-    sampling = samples.sampling
-    if not axis and len(sampling.channels) == 1:
-        return samples
-    column = sampling.channels.index(axis)
-    beside = range(len(sampling.channels), len(sampling.columns))
-    offsets = sampling.offsets_s
-    values = samples.values[:, column : column + 1]
-    if beside:
-        values = np.asfortranarray(samples.values[:, [column, *beside]])
-        values.flags.writeable = False
-    return replace(
-        samples,
-        values=values,
-        sampling=replace(
-            sampling,
-            channels=(axis,),
-            offsets_s=tuple(offsets[one] for one in (column, *beside)) if offsets else (),
-        ),
+def axis_samples(recording: Path, sampling: Sampling, axis: str, plan: Plan) -> Samples:
+    """Read an axis's samples of a recording, and what the plan's reduction looks at beside them."""
+    column = sampling.channels.index(axis) if axis else 0
+    beside = {
+        place: one
+        for place, one in enumerate(sampling.auxiliary, start=len(sampling.channels))
+        if one.name.startswith(plan.auxiliary)
+    }
+    columns, offsets = (column, *beside), sampling.offsets_s
+    of_axis = replace(
+        sampling,
+        channels=(sampling.channels[column],),
+        auxiliary=tuple(beside.values()),
+        offsets_s=tuple(offsets[place] for place in columns) if offsets else (),
     )
+    return read_samples(recording, columns=columns, sampling=of_axis)
 
 
 def axis_results(attempt: Attempt, axis: str) -> tuple[Result, ...]:

@@ -8,7 +8,6 @@ from pathlib import Path
 from gyrotest.acquisition.progress import Progress
 from gyrotest.conformity import line
 from gyrotest.errors import GyrotestError, InsufficientDataError
-from gyrotest.recordings.reader import read_samples
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import Recording
 from gyrotest.records.result import JudgedResult, Result, Verdict
@@ -197,13 +196,13 @@ class UnitRun:
         planned = self.planned_case(item)
         if attempt.recording is None:
             raise InsufficientDataError(f"{item.name}: attempt {attempt.number} has no recording")
-        samples = read_samples(self.folder.path / attempt.recording.path)
+        recording, path = attempt.recording, self.folder.path / attempt.recording.path
         return tuple(
             AxisReduction(
                 axis=axis,
                 reduction=planned.procedure.reduce(
-                    axis_samples(samples, axis),
-                    self._context(item, planned, attempt, attempt.recording, axis),
+                    axis_samples(path, recording.header.sampling, axis, planned.plan),
+                    self._context(item, planned, attempt, recording, axis),
                 ),
             )
             for axis in self._axes(planned)

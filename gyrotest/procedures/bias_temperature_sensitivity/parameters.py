@@ -70,6 +70,7 @@ def temperature_plan(case: Case, parameters: TemperatureParameters) -> Plan:
     """Return one record at rest at each set point."""
     interval_s = case.interval.to("s")
     return Plan(
+        auxiliary=("temperature",),
         warm_up_s=0.0 if case.warm_up is None else case.warm_up.to("s"),
         interval_s=interval_s,
         steps=tuple(

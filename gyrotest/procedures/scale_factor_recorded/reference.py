@@ -66,9 +66,9 @@ class ScaleFactorReference:
 
     def plan(self, case: Case, parameters: ReferenceParameters) -> Plan:
         """Return the acquisition of one repeat: a single step, whatever moves the gyro."""
-        del parameters
         interval_s = case.interval.to("s")
         return Plan(
+            auxiliary=(parameters.reference,),
             warm_up_s=0.0 if case.warm_up is None else case.warm_up.to("s"),
             interval_s=interval_s,
             steps=(Step(samples=round(case.duration.to("s") / interval_s)),),

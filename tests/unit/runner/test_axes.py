@@ -1,11 +1,16 @@
 """A gyro of several axes: each one's samples, case and results by themselves."""
 
+from datetime import UTC, datetime
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from gyrotest.errors import RecordingError
+from gyrotest.recordings.writer import RecordingWriter
 from gyrotest.records.figure import Figure
-from gyrotest.records.plan import Reduction
-from gyrotest.records.recording import Auxiliary, Samples, Sampling
+from gyrotest.records.plan import Plan, Reduction, Step
+from gyrotest.records.recording import Auxiliary, Block, Identity, RecordingHeader, Sampling
 from gyrotest.records.spec import Case, Output, OutputKind
 from gyrotest.runner.axes import AxisReduction, axes_of, axis_case, axis_samples
 from gyrotest.units import Quantity
@@ -18,38 +23,69 @@ CASE = Case(
 )
 
 
-def _samples(*, beside: tuple[Auxiliary, ...] = ()) -> Samples:
-    columns = 3 + len(beside)
-    values = np.asfortranarray(np.arange(5.0 * columns).reshape(5, columns))
+def _recorded(folder: Path, *, beside: tuple[Auxiliary, ...] = ()) -> tuple[Path, Sampling]:
+    """A recording of 5 samples: column after column counts on."""
     sampling = Sampling(
         interval_s=1.0, aperture_s=1.0, unit="deg/s", channels=("x", "y", "z"), auxiliary=beside
     )
-    return Samples(sampling=sampling, values=values, flags=np.zeros(5, dtype=np.uint8))
-
-
-def test_an_axis_is_a_view_of_its_own_contiguous_column() -> None:
-    samples = _samples()
-    found = axis_samples(samples, "y")
-    assert found.sampling.channels == ("y",)
-    assert np.shares_memory(found.values, samples.values)
-    assert found.values[:, 0].flags.c_contiguous
-    np.testing.assert_array_equal(found.values[:, 0], samples.values[:, 1])
-
-
-def test_what_is_recorded_beside_goes_with_every_axis() -> None:
-    samples = _samples(beside=(Auxiliary(name="temperature", unit="degC"),))
-    found = axis_samples(samples, "z")
-    assert found.sampling.columns == ("z", "temperature")
-    np.testing.assert_array_equal(found.values, samples.values[:, [2, 3]])
-
-
-def test_a_single_axis_is_taken_as_it_is() -> None:
-    samples = Samples(
-        sampling=Sampling(interval_s=1.0, aperture_s=1.0),
-        values=np.zeros((3, 1)),
-        flags=np.zeros(3, dtype=np.uint8),
+    header = RecordingHeader(
+        run_id="run",
+        item="rest-1-r1",
+        attempt=1,
+        serial_number="1",
+        model="TRIAD",
+        spec_sha256="0" * 64,
+        started_utc=datetime(2026, 1, 1, tzinfo=UTC),
+        planned_samples=5,
+        sampling=sampling,
+        source=Identity(manufacturer="Maker", model="M1", serial_number="1"),
     )
-    assert axis_samples(samples, "") is samples
+    columns = len(sampling.columns)
+    with RecordingWriter(folder, header) as writer:
+        writer.push(
+            Block(
+                first=0,
+                time_s=np.arange(5.0),
+                values=np.arange(5.0 * columns).reshape(columns, 5).T,
+                flags=np.zeros(5, dtype=np.uint8),
+            )
+        )
+        recording = writer.close(complete=True)
+    return folder / recording.path, sampling
+
+
+def _plan(*auxiliary: str) -> Plan:
+    return Plan(warm_up_s=0.0, interval_s=1.0, steps=(Step(samples=5),), auxiliary=auxiliary)
+
+
+def test_an_axis_is_read_by_itself_side_by_side_in_memory(tmp_path: Path) -> None:
+    found = axis_samples(*_recorded(tmp_path), "y", _plan())
+    assert found.sampling.channels == ("y",)
+    assert found.values[:, 0].flags.c_contiguous
+    np.testing.assert_array_equal(found.values, np.arange(5.0, 10.0).reshape(5, 1))
+
+
+@pytest.mark.parametrize(
+    ("wanted", "columns"), [((), (2,)), (("temperature",), (2, 3, 5)), (("encoder",), (2, 4))]
+)
+def test_what_is_recorded_beside_is_read_where_the_plan_asks_for_it(
+    tmp_path: Path, wanted: tuple[str, ...], columns: tuple[int, ...]
+) -> None:
+    beside = tuple(
+        Auxiliary(name=name, unit="degC") for name in ("temperature_x", "encoder", "temperature_z")
+    )
+    path, sampling = _recorded(tmp_path, beside=beside)
+    found = axis_samples(path, sampling, "z", _plan(*wanted))
+    assert found.sampling.columns == tuple(sampling.columns[one] for one in columns)
+    np.testing.assert_array_equal(found.values, np.arange(30.0).reshape(6, 5).T[:, list(columns)])
+
+
+def test_damage_of_a_part_that_is_read_is_found(tmp_path: Path) -> None:
+    path, sampling = _recorded(tmp_path)
+    damaged = path.read_bytes().replace(b'"rows": 5', b'"rows": 6')
+    path.write_bytes(damaged)
+    with pytest.raises(RecordingError):
+        axis_samples(path, sampling, "x", _plan())
 
 
 @pytest.mark.parametrize(("axis", "mounting"), [("x", (0.0, 1.0, 0.0)), ("y", None)])
