@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from gyrotest.analysis.resolution import digital_step, mean_half_width
 from gyrotest.analysis.step_noise import SHORTEST_STEP
 from gyrotest.procedures.dwells import DwellRecord, OutlierRule
+from gyrotest.procedures.scaling import nominal_complaints
 from gyrotest.records.described import Described
 from gyrotest.records.plan import Context, Step, Turning
 from gyrotest.records.spec import Case, Output
@@ -72,6 +73,7 @@ def table_complaints(
     case: Case, parameters: TableParameters, output: Output
 ) -> Iterator[tuple[str, str]]:
     """Give what is wrong with a case on a rate table, whatever it measures: key and message."""
+    yield from nominal_complaints(output)
     axes = case.axes or output.axes
     if len(axes) > 1:
         message = f"names {len(axes)} axes, and the table turns about one; name that, e.g. [{axes[-1]}]"

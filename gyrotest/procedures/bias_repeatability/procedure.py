@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 from gyrotest.analysis.noise import SHORTEST_RECORD, identify_noise
 from gyrotest.procedures.bias_repeatability.cycles_figure import cycles_figure
 from gyrotest.procedures.bias_repeatability.over_cycles import mean_result
+from gyrotest.procedures.scaling import nominal_complaints
 from gyrotest.procedures.static.bias import bias_result
 from gyrotest.procedures.static.bias_over_repeats import bias_over_repeats, bias_spread, biases
 from gyrotest.procedures.static.parameters import StaticParameters
@@ -51,7 +52,8 @@ class BiasRepeatability:
         self, case: Case, parameters: BiasRepeatabilityParameters, output: Output
     ) -> Iterable[tuple[str, str]]:
         """Give what is wrong with a case beyond its types."""
-        del parameters, output
+        del parameters
+        yield from nominal_complaints(output)
         if case.between_repeats is not Between.POWER_CYCLE:
             message = (
                 "is 'nothing', and bias repeatability is measured over power cycles;"

@@ -24,6 +24,7 @@ from gyrotest.procedures.bias_temperature_sensitivity.set_points import (
     difference_uncertainty,
     set_points,
 )
+from gyrotest.procedures.scaling import nominal_complaints
 from gyrotest.procedures.step_table import dropped_samples
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context, Plan, Reduction
@@ -57,8 +58,8 @@ class BiasTemperatureSensitivity:
         self, case: Case, parameters: TemperatureParameters, output: Output
     ) -> Iterable[tuple[str, str]]:
         """Give what is wrong with a case beyond its types."""
-        del output
-        return temperature_complaints(case, parameters)
+        yield from nominal_complaints(output)
+        yield from temperature_complaints(case, parameters)
 
     def plan(self, case: Case, parameters: TemperatureParameters) -> Plan:
         """Return the acquisition of one repeat: a record at rest at each set point."""

@@ -19,6 +19,8 @@ from gyrotest.records.recording import Auxiliary, SampleFlag, Samples, Sampling
 from gyrotest.records.result import Contribution, Result
 from gyrotest.records.spec import Case, Output, OutputKind
 from gyrotest.records.station import Accuracy
+from gyrotest.specification.checked import checked
+from gyrotest.specification.spec import installed_procedure
 from gyrotest.units import Quantity, conversion_factor
 
 from .bench import SITE, quantity
@@ -383,3 +385,28 @@ def test_both_are_one_step_that_nothing_of_the_bench_moves():
         plan = procedure.plan(case(), parameters)
         assert (plan.samples, plan.turns, plan.soaks) == (3000, False, False)
         assert list(procedure.complaints(case(), parameters, Output(kind=OutputKind.COUNT))) == []
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "static",
+        "bias_repeatability",
+        "bias_temperature_sensitivity",
+        "scale_factor",
+        "bias_reversal",
+        "scale_factor_reference",
+        "scale_factor_turn",
+    ],
+)
+def test_counts_without_a_scale_factor_are_refused_by_all_that_do_not_measure_it_from_a_recording(name):
+    procedure = installed_procedure(name)
+    parameters = turn_parameters() if name == "scale_factor_turn" else stand_in_for(procedure.parameters)
+    found = procedure.complaints(case(), parameters, Output(kind=OutputKind.COUNT))
+    is_needed = any("needs 'output.scale_factor'" in message for _, message in found)
+    assert is_needed != name.endswith(("_reference", "_turn"))
+
+
+def stand_in_for(parameters: type[Any]) -> Any:
+    """Parameters with whatever is required."""
+    return checked({}, parameters).record
