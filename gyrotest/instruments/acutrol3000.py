@@ -11,7 +11,14 @@ from gyrotest.errors import InstrumentError, InstrumentProtocolError
 from gyrotest.instruments.exchange import Exchange
 from gyrotest.instruments.identity import Expected, check_identity, parse_identity
 from gyrotest.instruments.motion import Envelope, max_acceleration_dps2, max_rate_dps
-from gyrotest.instruments.standstill import comes_to_rest, dismiss, guard_for, seen_at_rest, start_guard
+from gyrotest.instruments.standstill import (
+    comes_to_rest,
+    dismiss,
+    guard_for,
+    seen_at_rest,
+    start_guard,
+    stop_surely,
+)
 from gyrotest.instruments.transport.channel import Connect, SerialLine
 from gyrotest.instruments.transport.conversation import shown
 from gyrotest.instruments.transport.serial_port import open_commands_only
@@ -178,13 +185,12 @@ class Acutrol3000:
 
     def stop(self) -> None:
         """Rate 0 from whatever it does; never raises."""
-        self._exchange.forget()
-        # A drive that is off stays off.
-        for command in self._stopping() if self._enabled else self._stopping()[:1]:
-            try:
-                self._command(command)
-            except InstrumentError:
-                self._exchange.insist(command, self._end)
+        if self._enabled:
+            stop_surely(self._exchange, self._send_stop, self._guard)
+        elif self._exchange.is_open:
+            # A drive that is off stays off.
+            with contextlib.suppress(InstrumentError):
+                self._command(self._stopping()[0])
         if self._envelope.begun:
             self._envelope.demanded(self._clock.now_s(), 0.0)
 
@@ -212,6 +218,13 @@ class Acutrol3000:
         """A demand of before comes to life with the mode, so that the new one goes in front, and again behind."""
         demand = f":Demand:{mode} {self._axis},{_text(value)}"
         return (demand, f":Mode:{mode} {self._axis}", demand)
+
+    def _send_stop(self) -> None:
+        for command in self._stopping():
+            try:
+                self._command(command)
+            except InstrumentProtocolError:
+                self._exchange.insist(command, self._end)
 
     def _stopping(self) -> tuple[str, ...]:
         return self._demanding("Rate", 0.0)

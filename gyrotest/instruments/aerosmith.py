@@ -10,7 +10,14 @@ from gyrotest.errors import InstrumentError, InstrumentProtocolError
 from gyrotest.instruments.exchange import Exchange
 from gyrotest.instruments.identity import Expected, check_identity, parse_identity
 from gyrotest.instruments.motion import Envelope, Progress, max_acceleration_dps2
-from gyrotest.instruments.standstill import comes_to_rest, dismiss, guard_for, seen_at_rest, start_guard
+from gyrotest.instruments.standstill import (
+    comes_to_rest,
+    dismiss,
+    guard_for,
+    seen_at_rest,
+    start_guard,
+    stop_surely,
+)
 from gyrotest.instruments.transport.channel import Connect, SerialLine
 from gyrotest.instruments.transport.conversation import shown
 from gyrotest.instruments.transport.serial_port import open_commands_only
@@ -177,11 +184,11 @@ class Aerosmith:
 
     def stop(self) -> None:
         """Rate 0 from whatever it does; never raises."""
-        self._exchange.forget()
-        try:
-            self._command("STO")
-        except InstrumentError:
-            self._exchange.insist("STO", _END)
+        if self._enabled:
+            stop_surely(self._exchange, self._send_stop, self._guard)
+        elif self._exchange.is_open:
+            with contextlib.suppress(InstrumentError):
+                self._send_stop()
         if self._envelope.begun:
             self._envelope.demanded(self._clock.now_s(), 0.0)
         self._progress.begin(0.0)
@@ -200,6 +207,12 @@ class Aerosmith:
             self._command("SRV0")
         self._enabled = False
         return at_rest
+
+    def _send_stop(self) -> None:
+        try:
+            self._command("STO")
+        except InstrumentProtocolError:
+            self._exchange.insist("STO", _END)
 
     def _set(self, rate_dps: float) -> None:
         self._command(f"JOG{_text(rate_dps)}" if rate_dps else "STO")

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 
 from gyrotest.errors import InstrumentError
+from gyrotest.instruments.exchange import Exchange
 from gyrotest.instruments.guard import Guard, Orders
 from gyrotest.instruments.motion import max_acceleration_dps2
 from gyrotest.instruments.transport.channel import SerialLine
@@ -61,6 +62,21 @@ def comes_to_rest(clock: Clock, motion: Motion, rate_dps: Callable[[], float]) -
         clock.sleep_until(clock.now_s() + _POLL_S)
         now_dps = abs(rate_dps())
     return now_dps <= AT_REST_DPS
+
+
+def stop_surely(exchange: Exchange, send_stop: Callable[[], None], guard: Guard | None) -> None:
+    """Stop over the connection, over a new one, or by the guard, whichever can be done first. Never raises."""
+    exchange.forget()
+    with contextlib.suppress(InstrumentError):
+        send_stop()
+        return
+    with contextlib.suppress(InstrumentError):
+        exchange.open()
+        send_stop()
+        return
+    if guard is not None:
+        exchange.close()
+        guard.call()
 
 
 def seen_at_rest(clock: Clock, motion: Motion, rate_dps: Callable[[], float]) -> bool:

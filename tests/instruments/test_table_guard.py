@@ -6,16 +6,19 @@ import socket
 import subprocess
 import sys
 import time
+from contextlib import closing
 
 import pytest
 
 from gyrotest.errors import InstrumentError
 from gyrotest.instruments.acutrol3000 import Acutrol3000, Acutrol3000Settings
+from gyrotest.instruments.aerosmith import Aerosmith, AerosmithSettings
 from gyrotest.instruments.guard import Guard, Orders, stop_table
 from gyrotest.instruments.transport.channel import Channel, SerialLine
 from gyrotest.instruments.transport.serial_port import open_commands_only
+from gyrotest.ports import RateTable
 from gyrotest.simulation.server import has_pty
-from tests.instruments.table_bench import motion, served
+from tests.instruments.table_bench import Served, motion, served
 
 needs_pty = pytest.mark.skipif(not has_pty(), reason="this platform has no pseudo-terminals")
 # Long enough that a test which waits for it is noticed.
@@ -69,17 +72,27 @@ def test_a_killed_run_leaves_the_table_at_rest(kind: str, pty: bool) -> None:
 
 
 class Cut:
-    """A way to the controller that breaks when it is told to."""
+    """Ways to the controller that break when they are told to; `later`: those that are opened afterwards too."""
 
     def __init__(self) -> None:
-        self.broken = False
+        self.later = False
+        self.broken: set[int] = set()
+        self.opened = 0
+
+    def cut(self, *, later: bool) -> None:
+        self.broken = set(range(self.opened + 1))
+        self.later = later
 
     def connect(self, resource: str, line: SerialLine, timeout_s: float) -> Channel:
+        if self.later:
+            raise InstrumentError(f"{resource}: cannot be opened")
+        self.opened += 1
+        number = self.opened
         channel = open_commands_only(resource, line, timeout_s)
         send = channel.send
 
         def send_or_break(data: bytes) -> None:
-            if self.broken:
+            if number in self.broken:
                 raise ConnectionResetError("reset by peer")
             send(data)
 
@@ -87,23 +100,56 @@ class Cut:
         return channel
 
 
-def test_a_table_whose_connection_broke_is_stopped_over_another_one() -> None:
-    cut = Cut()
-    with served("plain") as bench:
-        settings = Acutrol3000Settings()
-        table = Acutrol3000(
-            bench.address, settings, clock=bench.clock, motion=motion(), connect=cut.connect
+def turning(bench: Served, cut: Cut) -> RateTable:
+    table: RateTable
+    if bench.kind == "aerosmith":
+        table = Aerosmith(
+            bench.address,
+            AerosmithSettings(),
+            clock=bench.clock,
+            motion=motion(),
+            connect=cut.connect,
         )
-        table.open()
-        table.enable()
-        table.set_rate(50.0)
-        bench.wait(2.0)
-        cut.broken = True
-        with pytest.raises(
-            InstrumentError, match=r"connection lost at .* see that the table is at rest"
-        ):
+    else:
+        table = Acutrol3000(
+            bench.address,
+            Acutrol3000Settings(),
+            clock=bench.clock,
+            motion=motion(),
+            connect=cut.connect,
+        )
+    table.open()
+    table.enable()
+    table.set_rate(50.0)
+    bench.wait(2.0)
+    return table
+
+
+KINDS = ["plain", pytest.param("aerosmith", marks=needs_pty)]
+LOST = r"connection lost at .* see that the table is at rest"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_table_whose_connection_broke_is_stopped_over_a_new_one(kind: str) -> None:
+    cut = Cut()
+    with served(kind, pty=kind == "aerosmith") as bench, closing(turning(bench, cut)) as table:
+        cut.cut(later=False)
+        with pytest.raises(InstrumentError, match=LOST):
             table.rate_dps()
-        table.close()
+        table.stop()
+        assert bench.table.demanded_dps == 0.0
+        bench.wait(2.0)
+        assert table.rate_dps() == pytest.approx(0.0, abs=0.01)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_table_that_this_process_cannot_reach_any_more_is_stopped_by_the_guard(kind: str) -> None:
+    cut = Cut()
+    with served(kind, pty=kind == "aerosmith") as bench, closing(turning(bench, cut)) as table:
+        cut.cut(later=True)
+        with pytest.raises(InstrumentError, match=LOST):
+            table.rate_dps()
+        table.stop()
         assert bench.table.wait_until(lambda: bench.table.demanded_dps == 0.0, MOST_S)
 
 
