@@ -3,6 +3,7 @@
 from tests.benchmarks import (
     bench_allan,
     bench_analyse,
+    bench_decoding,
     bench_identification,
     bench_inert,
     bench_main_job,
@@ -16,5 +17,6 @@ for benchmark in (
     bench_allan,
     bench_analyse,
     bench_identification,
+    bench_decoding,
 ):
     benchmark.main()
