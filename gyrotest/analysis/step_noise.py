@@ -21,7 +21,7 @@ _Array = NDArray[np.float64]
 _Integral = Callable[[_Array], _Array]
 _ROUNDS = 60
 _SAME = 1e-9
-_PRUDENCE = np.array([0.0, 0.0, 0.3, 0.06])
+_PRUDENCE = np.array([0.0, 0.0, 0.1, 0.02])
 _FEWEST_FREEDOM = 5.0
 
 
