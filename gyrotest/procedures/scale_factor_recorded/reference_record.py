@@ -120,9 +120,9 @@ def _reference_dps(samples: Samples, name: str, context: Context) -> NDArray[np.
     beside = samples.sampling.auxiliary
     names = [one.name for one in beside]
     if name not in names:
-        there = ", ".join(names) or "nothing"
+        instead = f", but {', '.join(names)}" if names else ""
         raise InsufficientDataError(
-            f"{context.case_name}: no '{name}' is recorded beside the output, but {there}; name it in the"
+            f"{context.case_name}: no '{name}' is recorded beside the output{instead}; name it in the"
             " station, e.g. with the driver replay 'auxiliary: {" + name + ": {column: 3, unit: rpm}}'"
         )
     unit = beside[names.index(name)].unit

@@ -195,6 +195,8 @@ def test_recordings_without_a_line_are_refused():
     columns = moving(1.0)
     with pytest.raises(InsufficientDataError, match=r"no 'encoder' is recorded .* but reference"):
         procedure.reduce(samples(columns), context(ReferenceParameters(reference="encoder")))
+    with pytest.raises(InsufficientDataError, match="is recorded beside the output; name it in the"):
+        procedure.reduce(samples(columns[:, :1]), setting)
     metres = Sampling(
         interval_s=0.01,
         aperture_s=0.01,
