@@ -53,10 +53,17 @@ def saturation_remarks(reaches: Reaches) -> Iterator[str]:
         if first is None:
             yield f"No saturation found {way}, up to {_rate(reach.steps[-1])}."
             continue
-        record = first.record
-        found = f"{record.overloaded} overloads, {record.railed} samples at one limit"
-        how = "the output does not grow any more" if first.flat and not record.saturated else found
-        yield f"Saturation found {way} at {_rate(first)}: {how} ({record.dwell.samples} samples)."
+        yield f"Saturation found {way} at {_rate(first)}: {_how(first)}."
+
+
+def _how(step: Reached) -> str:
+    """Say by what saturation was found."""
+    record = step.record
+    if step.flat and not record.saturated:
+        return "the output does not grow any more"
+    found = ((record.overloaded, "overloaded"), (record.railed, "at one limit"))
+    parts = [f"{count} of {record.dwell.samples} samples {what}" for count, what in found if count]
+    return ", ".join(parts)
 
 
 def _rate(step: Reached) -> str:
@@ -78,13 +85,13 @@ def range_figure(reaches: Reaches, context: Context) -> Figure:
         x_label="Rate / (°/s)",
         curves=(Curve(x=ends, y=(0.0, 0.0), role=Role.GUIDE), *limits),
         points=tuple(_points(reaches)),
-        note=f"line through the steps to {plain(_line_end(reaches, context), 6)} °/s",
     )
     return Figure(
         name="range",
         title="Measurement range",
         panels=(panel,),
-        caption="Deviation of each step's mean output from the line; bars: expanded uncertainty (95 %)."
+        caption="Deviation of each step's mean output from the line through the steps to"
+        f" {plain(_line_end(reaches, context), 6)} °/s; bars: expanded uncertainty (95 %); dashed: limits."
         " Saturated steps are left out.",
         alt=f"Deviations from the line up to {plain(max(rates), 6)} °/s, limits ±{plain(limit, 4)} %",
     )

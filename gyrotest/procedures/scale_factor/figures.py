@@ -50,7 +50,7 @@ def _response_figure(turns: Turns, context: Context) -> Figure:
         panels=(_response_panel(turns), _residual_panel(turns, context, residual, bars)),
         caption="Top: mean output of each step, and the least-squares line. Bottom: what the steps leave, in"
         f" parts per million of {of}; bars: expanded uncertainty (95 %) of each, without what all have in"
-        " common; dotted: limits.",
+        " common" + ("; dashed: limits." if _limits(turns, context) else "."),
         alt=f"Output of {turns.rates_dps.size} steps from {plain(float(turns.rates_dps.min()), 6)} to"
         f" {plain(float(turns.rates_dps.max()), 6)} °/s, residuals within"
         f" {plain(float(np.abs(residual).max()), 3)} ppm",

@@ -68,7 +68,7 @@ def test_overloads_are_data_and_end_the_range() -> None:
     assert by_name(found.results)["measurement_range_backward"].condition.endswith(
         "saturated at −110 °/s"
     )
-    assert "Saturation found forward at 110 °/s: 50 overloads" in found.remarks[0]
+    assert "Saturation found forward at 110 °/s: 50 of 50 samples overloaded" in found.remarks[0]
 
 
 @pytest.mark.parametrize("noise_v", [0.0, 1e-4])
