@@ -15,17 +15,28 @@ _FEWEST = 2
 class TemperatureSensitivity:
     """The greatest of |B_i − B_room|/|T_i − T_room|, in units of the bias a °C.
 
-    `worst` is the set point's place in the arrays, `change` and `distance_c` what it is the ratio of.
-    The standard uncertainties are those of that set point's ratio: `by_bias` of the two means,
-    `by_setting` of the two temperatures' own errors.
+    `change` and `distance_c` are what it is the ratio of, `worst` the set point's place in the arrays.
+    `ratios` (n − 1,) are those of all set points but the room, signed, `by_bias` and `by_setting` their
+    standard uncertainties by noise and by the errors of the two temperatures.
     """
 
     value: float
     worst: int
     change: float
     distance_c: float
-    by_bias: float
-    by_setting: float
+    ratios: NDArray[np.float64]
+    by_bias: NDArray[np.float64]
+    by_setting: NDArray[np.float64]
+
+    @property
+    def worst_by_bias(self) -> float:
+        """Standard uncertainty of the greatest ratio by noise."""
+        return float(self.by_bias[np.abs(self.ratios).argmax()])
+
+    @property
+    def worst_by_setting(self) -> float:
+        """Standard uncertainty of the greatest ratio by the errors of the temperatures."""
+        return float(self.by_setting[np.abs(self.ratios).argmax()])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,7 +84,8 @@ def temperature_sensitivity(
     Notes
     -----
     S3.9: S = max|B_i − B_room| / |T_i − T_room|. Of several ratios the largest is also the one that
-    noise made larger: S errs towards the larger side where the ratios differ by no more than noise.
+    noise made larger: S errs towards the larger side where the ratios differ by no more than noise, and
+    its interval is that of a largest magnitude (`gyrotest.analysis.extremes`).
     """
     found, values = _checked(temperature_degc, bias)
     distance = found - found[room]
@@ -83,20 +95,18 @@ def temperature_sensitivity(
             "a sensitivity needs temperatures that differ from the room's; found"
             f" {', '.join(f'{one:.4g} °C' for one in found)}"
         )
-    change = values - values[room]
-    ratio = np.zeros(found.size)
-    ratio[others] = np.abs(change[others] / distance[others])
-    worst = int(ratio.argmax())
-    apart = abs(float(distance[worst]))
-    pair = bias_covariance[np.ix_((worst, room), (worst, room))]
-    variance = float(pair[0, 0] + pair[1, 1] - 2.0 * pair[0, 1])
+    distance, change = distance[others], (values - values[room])[others]
+    ratios = change / distance
+    worst = int(np.abs(ratios).argmax())
+    variance = np.diag(bias_covariance) + bias_covariance[room, room] - 2.0 * bias_covariance[room]
     return TemperatureSensitivity(
-        value=float(ratio[worst]),
-        worst=worst,
+        value=abs(float(ratios[worst])),
+        worst=int(np.flatnonzero(others)[worst]),
         change=float(change[worst]),
         distance_c=float(distance[worst]),
-        by_bias=math.sqrt(max(variance, 0.0)) / apart,
-        by_setting=float(ratio[worst]) * math.sqrt(2.0) * setting_uncertainty_c / apart,
+        ratios=ratios,
+        by_bias=np.sqrt(np.maximum(variance[others], 0.0)) / np.abs(distance),
+        by_setting=np.abs(ratios / distance) * math.sqrt(2.0) * setting_uncertainty_c,
     )
 
 

@@ -11,21 +11,23 @@ _ROOT_3 = math.sqrt(3.0)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Expanded:
-    """Combined standard uncertainty, coverage factor for 95.45 %, and their product."""
+    """Combined standard uncertainty, its effective degrees of freedom, coverage factor for 95.45 %."""
 
     standard: float
+    freedom: float
     factor: float
 
     @property
     def uncertainty(self) -> float:
-        """The expanded uncertainty."""
+        """The expanded uncertainty, the product of standard uncertainty and coverage factor."""
         return self.factor * self.standard
 
 
 def expanded(budget: tuple[Contribution, ...]) -> Expanded:
     """Return the root sum of squares of a budget with Student's factor at its effective degrees of freedom."""
     combined = math.sqrt(sum(one.standard_uncertainty**2 for one in budget))
-    return Expanded(standard=combined, factor=coverage_factor(_effective_freedom(budget, combined)))
+    freedom = _effective_freedom(budget, combined)
+    return Expanded(standard=combined, freedom=freedom, factor=coverage_factor(freedom))
 
 
 def by_statistics(source: str, standard: float, freedom: float | None = None) -> Contribution:

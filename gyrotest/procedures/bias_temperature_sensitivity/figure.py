@@ -16,7 +16,7 @@ _DPH = 3600.0
 _MINUS = "\N{MINUS SIGN}"
 _HIGHEST = 2.0  # how many times farther than the biases a limit's lines may reach and be drawn
 _COLUMNS = (
-    Column(heading="Set point / °C", share=15, numbers=True),
+    Column(heading="Set point / °C", share=15),
     Column(heading="Temperature / °C", share=17, numbers=True),
     Column(heading="Records", share=10, numbers=True),
     Column(heading="Bias / (°/h)", share=16, numbers=True),

@@ -2,8 +2,11 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass
 
+import numpy as np
+
+from gyrotest.analysis.extremes import largest_magnitude
 from gyrotest.analysis.temperature import (
     TemperatureLine,
     TemperatureSensitivity,
@@ -24,6 +27,15 @@ UNIT = "deg/h/degC"
 
 _MINUS = "\N{MINUS SIGN}"
 _ROOT_3 = math.sqrt(3.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Error:
+    """A size, °/s a °C, and its standard uncertainties by noise and by the temperatures' own errors."""
+
+    size: float
+    by_bias: float
+    by_setting: float
 
 
 def sensitivity_of(points: SetPoints, context: Context) -> TemperatureSensitivity:
@@ -49,21 +61,34 @@ def line_of(points: SetPoints, context: Context) -> TemperatureLine:
 
 
 def sensitivity_result(found: TemperatureSensitivity, points: SetPoints, context: Context) -> Result:
-    """Return max|B_i − B_room|/|T_i − T_room| with its budget."""
+    """Return max|B_i − B_room|/|T_i − T_room| with its interval, and the budget of the ratio that it is."""
     at, room = (float(points.temperature_degc[place]) for place in (found.worst, points.room))
     condition = (
         f"at {plain(at, 3)} °C the bias is {_signed(found.change * DPH)} °/h from that at {plain(room, 3)} °C;"
         f" temperatures: {points.reader.name}"
     )
-    bare = Result(
+    errors = [
+        _Error(size=abs(float(size)), by_bias=float(noise), by_setting=float(setting))
+        for size, noise, setting in zip(found.ratios, found.by_bias, found.by_setting, strict=True)
+    ]
+    totals = [expanded(tuple(_budget(one, points, context))) for one in errors]
+    span = largest_magnitude(
+        found.ratios * DPH,
+        standard=np.array([one.standard for one in totals]),
+        freedom=np.array([one.freedom for one in totals]),
+    )
+    worst = max(errors, key=lambda one: one.size)
+    return Result(
         name="bias_temperature_sensitivity",
         label="Bias, temperature sensitivity",
-        value=found.value * DPH,
+        value=span.value,
         unit=UNIT,
-        condition=condition,
-        budget=tuple(_budget(found, points, context)),
+        lower_95=span.lower_95,
+        upper_95=span.upper_95,
+        condition=condition.replace("-", _MINUS),
+        budget=tuple(_budget(worst, points, context)),
+        not_included=tuple(_missing(points, context)),
     )
-    return _result(bare, points, context)
 
 
 def slope_result(found: TemperatureLine, points: SetPoints, context: Context) -> Result:
@@ -73,54 +98,43 @@ def slope_result(found: TemperatureLine, points: SetPoints, context: Context) ->
         f"least squares over {points.temperature_degc.size} set points from {low} to {high} °C,"
         f" which lie up to {plain(found.departure * DPH, 2)} °/h from the line"
     )
-    bare = Result(
+    error = _Error(size=abs(found.slope), by_bias=found.by_bias, by_setting=found.by_setting)
+    budget = tuple(_budget(error, points, context))
+    total = expanded(budget)
+    return Result(
         name="bias_temperature_slope",
         label="Bias, slope over temperature",
         value=found.slope * DPH,
         unit=UNIT,
-        condition=condition,
-        budget=tuple(_budget(found, points, context)),
+        expanded_uncertainty=total.uncertainty,
+        coverage_factor=total.factor,
+        condition=condition.replace("-", _MINUS),
+        budget=budget,
+        not_included=tuple(_missing(points, context)),
     )
-    return _result(bare, points, context)
 
 
 def _ends(points: SetPoints) -> tuple[float, float]:
     return float(points.temperature_degc.min()), float(points.temperature_degc.max())
 
 
-def _result(bare: Result, points: SetPoints, context: Context) -> Result:
-    """Return a result with what its budget comes to and what that lacks."""
-    total = expanded(bare.budget)
-    return replace(
-        bare,
-        expanded_uncertainty=total.uncertainty,
-        coverage_factor=total.factor,
-        condition=bare.condition.replace("-", _MINUS),
-        not_included=tuple(_missing(points, context)),
-    )
-
-
-def _budget(
-    found: TemperatureSensitivity | TemperatureLine, points: SetPoints, context: Context
-) -> Iterator[Contribution]:
+def _budget(error: "_Error", points: SetPoints, context: Context) -> Iterator[Contribution]:
     """Give what contributes to a bias a °C, in the result's unit.
 
     What all set points share, as the Earth's rate and the meter's offset, is not in a difference.
     """
-    size = abs(found.slope if isinstance(found, TemperatureLine) else found.value)
-    yield by_statistics("noise and wander of the biases", found.by_bias * DPH, points.freedom)
+    yield by_statistics("noise and wander of the biases", error.by_bias * DPH, points.freedom)
     half_c = _setting_c(points, context)
     if half_c > 0.0:
         yield rectangular(
             "chamber, error of each setting",
             f"{plain(half_c, 2)} °C",
-            f"{plain(found.by_setting * DPH / (half_c / _ROOT_3), 3)} °/h/°C²",
-            found.by_setting * DPH * _ROOT_3,
+            f"{plain(error.by_setting * DPH / (half_c / _ROOT_3), 3)} °/h/°C²",
+            error.by_setting * DPH * _ROOT_3,
         )
     for source, share in _in_proportion(points, context):
-        yield rectangular(
-            source, f"{share}", f"{plain(size * DPH, 3)} °/h/°C", share.to("") * size * DPH
-        )
+        size = error.size * DPH
+        yield rectangular(source, f"{share}", f"{plain(size, 3)} °/h/°C", share.to("") * size)
 
 
 def _in_proportion(points: SetPoints, context: Context) -> Iterator[tuple[str, Quantity]]:

@@ -12,7 +12,7 @@ _APART = 1.02  # by which factor the points of changes up and down stand apart
 _MINUS = "\N{MINUS SIGN}"
 _WORDS = {Followed.YES: "followed", Followed.NO: "not followed", Followed.UNDECIDED: "undecided"}
 _COLUMNS = (
-    Column(heading="Change / (°/s)", share=20, numbers=True),
+    Column(heading="Change / (°/s)", share=20),
     Column(heading="Up / %", share=20, numbers=True),
     Column(heading="Down / %", share=20, numbers=True),
     Column(heading="95 % half-width / %", share=22, numbers=True),
