@@ -52,6 +52,7 @@ def _response(record: ReferenceRecord, scale_factor: Result) -> Figure:
         panels=(
             Panel(
                 y_label=f"Output / {_bracketed(unit)}",
+                height=0.8,
                 bands=(_band(outputs),),
                 curves=(line,),
                 note=said,
@@ -59,7 +60,7 @@ def _response(record: ReferenceRecord, scale_factor: Result) -> Figure:
             Panel(
                 y_label="Residual / (°/s)",
                 x_label="Reference / (°/s)",
-                height=0.8,
+                height=0.7,
                 bands=(_band(residuals),),
                 curves=(
                     Curve(x=residuals.x, y=residuals.mean, role=Role.MEAN),
@@ -123,11 +124,13 @@ def _records(record: ReferenceRecord) -> Figure:
         panels=(
             Panel(
                 y_label="Reference / (°/s)",
+                height=0.6,
                 curves=stretches(outputs, record.reference_dps, role=Role.DATA, most=_MOST_POINTS),
             ),
             Panel(
                 y_label="Output / (°/s)",
                 x_label="Time / s",
+                height=0.6,
                 curves=stretches(outputs, rate, role=Role.DATA, most=_MOST_POINTS),
             ),
         ),

@@ -184,7 +184,9 @@ def _of_angle(turned: _Turned, parameters: TurnParameters) -> Iterator[Contribut
     half = parameters.angle_uncertainty
     if half is not None:
         size = abs(turned.slope / turned.angle_deg)
-        yield rectangular("angle of the turn", str(half), plain(size, 3), size * half.to("deg"))
+        yield rectangular(
+            "angle of the turn", f"{plain(half.to('deg'), 3)}°", plain(size, 3), size * half.to("deg")
+        )
 
 
 def _bias(turned: _Turned, scale_factor: Result, context: Context) -> Result:
