@@ -88,6 +88,19 @@ class Power:
             f"{came_up}; off for {off_s:.3g} s before, the voltage down after {down_s - began_s:.2g} s"
         )
 
+    def check(self) -> None:
+        """See that the output still gives what it shall; switched off where it does not."""
+        found = self._supply.measure()
+        try:
+            self._refuse_trip(found)
+            if found.limiting:
+                raise InstrumentError(self._limited(found))
+            if not self._demand.met_by(found):
+                raise InstrumentError(self._failed(found))
+        except InstrumentError:
+            self.off()
+            raise
+
     def off(self) -> None:
         """Switch off; raises nothing: closing the supply tries once more."""
         self.is_on, self.switched_on_s = False, None
@@ -161,6 +174,12 @@ class Power:
         return (
             f"{self._name}: the voltage does not come up: {self._demand} is asked for, found {_shown(found)}"
             f" {took_s:.2g} s after switching on; {cause}"
+        )
+
+    def _failed(self, found: Supplied) -> str:
+        return (
+            f"{self._name}: the supply failed in the meantime: {self._demand} is asked for, found"
+            f" {_shown(found)}; look at the supply's display and at the unit, and start again"
         )
 
     def _limited(self, found: Supplied) -> str:

@@ -42,10 +42,7 @@ class OpenSource:
 
 
 class Bench:
-    """A station whose instruments are opened on first use and closed together, tables first.
-
-    `events` are what happened to the units' power since it was last asked.
-    """
+    """A station whose instruments are opened on first use and closed together, tables first."""
 
     def __init__(self, station: Station, spec: Spec, choice: SimulationChoice) -> None:
         self.station = station
@@ -61,7 +58,7 @@ class Bench:
         self._supplies: dict[tuple[str, int], Power] = {}
         self._uses: dict[str, InstrumentUse] = {}
         self._safe = contextlib.ExitStack()
-        self._events: list[str] = []
+        self._events: dict[str, list[str]] = {}
 
     def source(self, slot: str, serial_number: str) -> OpenSource:
         """The source that reads a slot, opened, the slot powered; raises `InstrumentError`."""
@@ -103,7 +100,7 @@ class Bench:
         """Switch a slot's supply on, where it has one and the spec says how; raises `InstrumentError`."""
         power = self._power(slot)
         if power is not None and not power.is_on:
-            self._events.append(power.switch_on())
+            self._happened(slot, power.switch_on())
             self._powered_on_s[slot] = power.switched_on_s or self.clock.now_s()
 
     def power_off(self, slot: str) -> None:
@@ -117,7 +114,7 @@ class Bench:
         power = self._power(slot)
         if power is None:
             return False
-        self._events.append(power.cycle())
+        self._happened(slot, power.cycle())
         self._powered_on_s[slot] = power.switched_on_s or self.clock.now_s()
         # A digital gyro is another conversation after its start.
         for opened in tuple(self._sources.values()):
@@ -131,10 +128,18 @@ class Bench:
         """The unit in a slot was just powered on: warm-up starts anew."""
         self._powered_on_s[slot] = self.clock.now_s()
 
-    def take_events(self) -> tuple[str, ...]:
-        """What happened to the power since this was asked last."""
-        taken, self._events = tuple(self._events), []
-        return taken
+    def take_events(self, slot: str) -> tuple[str, ...]:
+        """What happened to a slot's power since this was asked last."""
+        return tuple(self._events.pop(slot, ()))
+
+    def check_power(self, slot: str) -> None:
+        """See that a slot's supply still gives what it shall; raises `InstrumentError`."""
+        power = self._power(slot)
+        if power is not None and power.is_on:
+            power.check()
+
+    def _happened(self, slot: str, text: str) -> None:
+        self._events.setdefault(slot, []).append(text)
 
     def _power(self, slot: str) -> "Power | None":
         place, how = self.station.slots[slot], self._spec.supply
@@ -150,7 +155,7 @@ class Bench:
                 supply.close,
                 lambda: self._drivers.opened(key[0], self._resource(key[0]), supply),
             )
-            self._supplies[key] = Power(supply, how, clock=self.clock)
+            self._supplies[key] = Power(supply, how, clock=self.clock, name=self._resource(place.supply))
         return self._supplies[key]
 
     # What acts on the unit
@@ -196,7 +201,7 @@ class Bench:
             self._open(
                 name, chamber.close, lambda: self._drivers.opened(name, self._resource(name), chamber)
             )
-            self._chambers[name] = ChamberDrive(chamber, clock=self.clock)
+            self._chambers[name] = ChamberDrive(chamber, clock=self.clock, name=self._resource(name))
         return self._chambers[name]
 
     def _open(self, name: str, close: Callable[[], None], opened: Callable[[], InstrumentUse]) -> None:

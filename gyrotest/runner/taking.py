@@ -151,6 +151,8 @@ class Taking:
         outcome = Outcome.INTERRUPTED
         try:
             acquisition.run()
+            for part in self._parts:
+                bench.check_power(part.run.header.slot)
             outcome = Outcome.ACQUIRED
         finally:
             self._put_on_record(opened, acquisition, outcome)
@@ -158,7 +160,6 @@ class Taking:
     def _put_on_record(self, opened: OpenSource, acquisition: Acquisition, outcome: Outcome) -> None:
         bench, source = self._bench, opened.source
         told = source.remarks() if isinstance(source, Remarking) else ()
-        powered = bench.take_events()
         recordings: tuple[Recording | None, ...] = acquisition.recordings or (None,) * len(self._parts)
         for part, track, recording in zip(self._parts, acquisition.tracks, recordings, strict=True):
             slot = part.run.header.slot
@@ -171,7 +172,7 @@ class Taking:
                 recording=recording,
                 instruments=(opened.use, *used),
                 events=tuple(acquisition.events),
-                remarks=(*part.attempt.remarks, *powered, *told),
+                remarks=(*part.attempt.remarks, *bench.take_events(slot), *told),
                 truth=bench.truth(slot, self._planned.plan),
             )
             part.run.folder.write_attempt(part.attempt)

@@ -152,3 +152,21 @@ def test_off_raises_nothing() -> None:
     bench.power.switch_on()
     bench.power.off()
     assert not bench.power.is_on
+
+
+def test_a_supply_that_still_gives_what_it_shall_is_left_on() -> None:
+    bench = Bench(OutputFigures(load_a=0.042))
+    bench.power.switch_on()
+    bench.power.check()
+    assert bench.power.is_on
+
+
+def test_a_supply_that_failed_in_the_meantime_is_said_and_switched_off() -> None:
+    bench = Bench(OutputFigures(load_a=0.042))
+    bench.power.switch_on()
+    bench.output.set_voltage(bench.clock.now_s(), 3.0)
+    bench.clock.advance(60.0)
+    with pytest.raises(InstrumentError, match="failed in the meantime: 5 V at up to 0.2 A is asked for"):
+        bench.power.check()
+    assert bench.done[-1] == "off"
+    assert not bench.power.is_on
