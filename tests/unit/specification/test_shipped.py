@@ -107,8 +107,8 @@ def test_the_fragments_of_the_spec_page_make_a_spec(tmp_path: Path) -> None:
 
 def test_a_file_is_checked_as_what_it_is(tmp_path: Path) -> None:
     assert check_file(shipped_specs() / "mems50.yaml") == "a good spec of MEMS50 (1 case)"
-    station = shipped_specs() / "stations" / "simulated.yaml"
-    assert check_file(station) == "a good station, 'Simulated bench' (1 instrument)"
+    station = shipped_specs() / "stations" / "replay.yaml"
+    assert check_file(station) == "a good station, 'Replay' (1 instrument)"
     path = tmp_path / "a.yaml"
     for text, expected in (
         ("colour: red\n", "a.yaml:1: is neither a spec"),
