@@ -129,7 +129,7 @@ def test_every_loss_is_found_in_spite_of_jitter_and_drift(ppm: float, lost: int)
     early, late = offsets(blocks[:5]), offsets(blocks[-5:])
     assert early == late
     assert sum(len(block.flags) for block in blocks) == 100_000 - lost
-    assert source.remarks() == (f"STIM210: {lost} samples lost in 1 gap",)
+    assert source.remarks() == (f"STIM210: {lost} sample{'s' * (lost > 1)} lost in 1 gap",)
 
 
 def test_frames_that_are_held_up_for_long_are_not_taken_for_lost() -> None:

@@ -211,6 +211,58 @@ def test_start_up_is_waited_out_and_overload_is_flagged() -> None:
     assert flags[400] == SampleFlag.OVERLOAD
 
 
+def test_what_is_lost_adds_up_over_the_steps_of_an_acquisition() -> None:
+    clock = VirtualClock()
+    with unit(clock, frame) as served:
+        source = gyro(served, clock)
+        source.open()
+        source.configure(0.008)
+        for _ in range(3):
+            source.start(0, 500)
+            served.lost = {served.sent + 100}
+            run(source)
+            clock.advance(3.0)
+        assert source.remarks() == ("STIM210: 3 samples lost in 3 gaps",)
+        source.configure(0.008)
+        assert source.remarks() == ("STIM210: no sample lost",)
+
+
+def test_a_unit_outside_its_conditions_is_told_and_goes_on() -> None:
+    clock = VirtualClock()
+
+    def hot(number: int) -> bytes:
+        return stim210(0xA2, status=0x20 * (900 <= number < 910), counter=16 * number)
+
+    with unit(clock, hot) as served:
+        source = begun(served, clock, 1000)
+        flags = np.concatenate([block.flags for block in run(source)])
+    assert not flags.any()
+    told = "STIM210: 10 frames from outside the operating conditions, as the unit says"
+    assert source.remarks()[1] == told
+
+
+def test_a_unit_that_was_exchanged_says_so_at_the_next_record() -> None:
+    clock = VirtualClock()
+    with unit(clock, frame) as served:
+        served.answers = answers(crc8)
+        source = gyro(served, clock, ask=True)
+        source.open()
+        source.configure(0.008)
+        served.answers[b"I"] = datagram(serial_number("00000000000099"), crc8)
+        source.configure(0.008)
+    assert source.device().serial_number == "99"
+
+
+def test_a_unit_that_was_starting_when_it_was_asked_is_asked_again() -> None:
+    clock = VirtualClock()
+    with unit(clock, frame) as served:
+        source = gyro(served, clock, ask=True)
+        assert source.open().serial_number == ""
+        served.answers = answers(crc8)
+        source.configure(0.008)
+    assert source.device().serial_number == "12345678"
+
+
 def test_a_unit_that_never_ends_starting_up_is_refused() -> None:
     clock = VirtualClock()
     with unit(clock, lambda number: stim210(0xA2, status=0x40, counter=16 * number)) as served:

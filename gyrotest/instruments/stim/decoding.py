@@ -19,11 +19,12 @@ from gyrotest.records.spec import OutputMode
 # Frames that are worked on at once: their columns stay in the processor's cache.
 _CHUNK = 8192
 
-# TS1524 table 5-23; the three low bits name the axes.
+# TS1524 table 5-23; the three low bits name the axes. To be outside the operating conditions is no
+# fault of the sample: a test may well take a unit there.
+OUTSIDE_CONDITIONS = 0x20
 _MEANINGS = {
     0x80: SampleFlag.FAULT,  # system integrity
     0x40: SampleFlag.START_UP,
-    0x20: SampleFlag.FAULT,  # outside the operating conditions
     0x10: SampleFlag.OVERLOAD,
     0x08: SampleFlag.FAULT,  # error in a channel
 }
@@ -77,8 +78,11 @@ class FrameDecoder:
         self._check = ColumnCheck(model.crc, frame.size)
         self._end = LINE_END if crlf else b""
 
-    def decode(self, frames: NDArray[np.uint8] | bytes) -> Decoded:
-        """Decode consecutive frames; raises `ValueError` where they are not whole frames."""
+    def decode(self, frames: NDArray[np.uint8] | bytes, *, known_whole: bool = False) -> Decoded:
+        """Decode consecutive frames; raises `ValueError` where they are not whole frames.
+
+        Frames that were checked already, `known_whole`, are not checked again.
+        """
         rows = np.frombuffer(frames, dtype=np.uint8) if isinstance(frames, bytes) else frames
         rows = rows.reshape(-1, self.size)
         n, frame = len(rows), self.frame
@@ -87,18 +91,22 @@ class FrameDecoder:
             flags=np.empty(n, dtype=np.uint8),
             counter=None if frame.counter is None else rows[:, frame.counter].copy(),
             latency_us=None if frame.latency is None else np.empty(n, dtype=np.uint16),
-            whole=np.empty(n, dtype=np.bool_),
+            whole=np.ones(n, dtype=np.bool_),
         )
         for begin in range(0, n, _CHUNK):
-            self._decode_part(rows, found, slice(begin, begin + _CHUNK))
+            part = slice(begin, begin + _CHUNK)
+            columns = np.ascontiguousarray(rows[part].T)
+            self._decode_part(columns, found, part)
+            if not known_whole:
+                found.whole[part] = self._whole(columns)
         return found
 
     def whole(self, rows: NDArray[np.uint8]) -> NDArray[np.bool_]:
         """Which of the frames, (n, size), have the right identifier, checksum and line end."""
         return self._whole(np.ascontiguousarray(rows.T))
 
-    def _decode_part(self, rows: NDArray[np.uint8], found: Decoded, part: slice) -> None:
-        columns, frame = np.ascontiguousarray(rows[part].T), self.frame
+    def _decode_part(self, columns: NDArray[np.uint8], found: Decoded, part: slice) -> None:
+        frame = self.frame
         for axis in range(3):
             found.values[part, axis] = _int24(columns, frame.rates + 3 * axis) * self._scale_dps
         if frame.temperatures is not None:
@@ -110,7 +118,6 @@ class FrameDecoder:
         found.flags[part] = _FLAGS[columns[frame.statuses[0]]]
         for status in frame.statuses[1:]:
             found.flags[part] |= _FLAGS[columns[status]]
-        found.whole[part] = self._whole(columns)
 
     def _whole(self, columns: NDArray[np.uint8]) -> NDArray[np.bool_]:
         whole = (columns[0] == self.frame.identifier) & self._check.passes(columns)

@@ -72,13 +72,14 @@ class SerialGyro:
         )
         self._device = Device()
         self._configuration: Configuration | None = None
+        self._fresh = False
 
     def open(self) -> Identity:
         """Connect, and ask the unit who it is and how it is set; raises `InstrumentError`."""
         line = SerialLine(baud_rate=self._settings.baud_rate)
         self._flow.attach(self._connect(self._resource, line, self._open_timeout_s))
-        if self._settings.ask:
-            self._ask()
+        self._ask()
+        self._fresh = True
         configuration = self._configuration
         return Identity(
             manufacturer="Sensonor",
@@ -99,8 +100,15 @@ class SerialGyro:
                 f"{self._flow.who}: sends a frame every {self._period_s:g} s, of which an interval of"
                 f" {interval_s:g} s is no whole multiple; the shortest is {self._period_s:g} s"
             )
+        fresh, self._fresh = self._fresh, False
+        if not fresh:
+            self._ask()
         self._check_configuration()
         self._flow.listen()
+        if fresh and self._device.serial_number is None:
+            # It may have been starting when it was asked.
+            self._ask()
+            self._check_configuration()
         self._flow.configure(size, interval_s)
         names = ("temperature_x", "temperature_y", "temperature_z")
         warm = self._decoder.frame.temperatures is not None
@@ -127,6 +135,7 @@ class SerialGyro:
         self._flow.detach()
         before = self._device.serial_number
         self.open()
+        self._fresh = False
         if before is not None and self._device.serial_number not in (before, None):
             raise InstrumentIdentityError(
                 f"{self._flow.who}: found serial number {self._device.serial_number}, expected {before}"
@@ -144,6 +153,9 @@ class SerialGyro:
             self._flow.detach()
 
     def _ask(self) -> None:
+        """Who it is and how it is set, now: units and their settings may be changed between two records."""
+        if not self._settings.ask:
+            return
         serial = self._answer(asking.SERIAL_NUMBER)
         set_up = self._answer(asking.CONFIGURATION)
         part = self._answer(asking.PART_NUMBER) if serial else None

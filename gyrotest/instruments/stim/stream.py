@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gyrotest.instruments.stim.decoding import FrameDecoder
+from gyrotest.instruments.stim.decoding import OUTSIDE_CONDITIONS, FrameDecoder
 from gyrotest.instruments.stim.diagnosis import likely_cause
 from gyrotest.instruments.stim.framing import Framer
 from gyrotest.instruments.stim.models import COUNTER_MODULUS, TICKS_PER_SECOND, Model
@@ -16,6 +16,7 @@ class FrameStream:
     def __init__(self, model: Model, decoder: FrameDecoder) -> None:
         self._model, self._decoder = model, decoder
         self._framer = Framer(decoder)
+        self._outside = 0
         self.reading_bytes = float(decoder.size)
 
     def restart(self) -> None:
@@ -25,7 +26,9 @@ class FrameStream:
     def push(self, data: bytes) -> Readings:
         """Take bytes; returns the readings of the frames that are whole."""
         framed = self._framer.push(data)
-        decoded = self._decoder.decode(framed.frames)
+        statuses = framed.frames[:, self._decoder.frame.statuses]
+        self._outside += int(np.count_nonzero((statuses & OUTSIDE_CONDITIONS).any(axis=1)))
+        decoded = self._decoder.decode(framed.frames, known_whole=True)
         counter = None if decoded.counter is None else decoded.counter.astype(np.int64)
         return Readings(values=decoded.values, flags=decoded.flags, counter=counter, lost=framed.broken)
 
@@ -40,6 +43,7 @@ class FrameStream:
     def forget(self) -> None:
         """Count anew."""
         self._framer.forget()
+        self._outside = 0
 
     def remarks(self) -> tuple[str, ...]:
         """Broken frames and bytes that belong to none."""
@@ -50,6 +54,10 @@ class FrameStream:
             told.append(
                 f"step with the frames lost {many(counts.resynchronised, 'time')},"
                 f" {counts.skipped_bytes} bytes skipped"
+            )
+        if self._outside:
+            told.append(
+                f"{many(self._outside, 'frame')} from outside the operating conditions, as the unit says"
             )
         return tuple(told)
 

@@ -102,18 +102,16 @@ class Flow:
         self._refuse_other_rate(joined(heard), count / (self._read_s - since_s))
 
     def configure(self, size: int, interval_s: float) -> None:
-        """Average so many readings to a sample from the next start on."""
+        """Average so many readings to a sample from the next start on, and count losses anew."""
         self._size = size
         self._sampler = Sampler(size, interval_s)
+        self._decoder.forget()
 
     def start(self, first: int, count: int) -> None:
         """Begin; the first reading that is no start-up is number 0, after an interruption the grid stays."""
         self._restart()
         self._blocks.clear()
         anew = first == 0 or not self._timeline.begun
-        if anew:
-            self._decoder.forget()
-            self._sampler.forget()
         readings = self._started()
         self._sampler.begin(first, count)
         self._end = count
@@ -139,7 +137,7 @@ class Flow:
         return max(0, math.ceil(since_s / (self._size * self._rhythm.period_s)))
 
     def remarks(self) -> tuple[str, ...]:
-        """What was lost since the first start."""
+        """What was lost since `configure`."""
         lost, gaps = self._sampler.lost, self._sampler.gaps
         told = f"{many(lost, 'sample')} lost in {many(gaps, 'gap')}" if lost else "no sample lost"
         return (told, *self._decoder.remarks())

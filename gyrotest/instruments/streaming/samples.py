@@ -23,10 +23,6 @@ class Sampler:
         self._parts: list[Readings] = []
         self._numbers: list[NDArray[np.int64]] = []
 
-    def forget(self) -> None:
-        """Count what is lost anew."""
-        self.lost = self.gaps = 0
-
     def push(self, readings: Readings, numbers: NDArray[np.int64]) -> list[Block]:
         """Take numbered readings; returns the samples that are complete, each block without a gap."""
         self._parts.append(readings)

@@ -124,7 +124,7 @@ def test_an_increment_is_the_angle_of_one_sample_and_a_mean_rate_a_rate() -> Non
         (0x12, SampleFlag.OVERLOAD),
         (0x09, SampleFlag.FAULT),
         (0x80, SampleFlag.FAULT),
-        (0x20, SampleFlag.FAULT),
+        (0x20, SampleFlag.GOOD),
         (0x51, SampleFlag.START_UP | SampleFlag.OVERLOAD),
     ],
 )
