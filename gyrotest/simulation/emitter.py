@@ -1,5 +1,6 @@
 """What all digital gyros on the simulated bench have in common: power, grid, line."""
 
+import threading
 from typing import Protocol
 
 import numpy as np
@@ -44,9 +45,15 @@ class Emitter:
         self._faults: LineFaults | None = None
         self._power_on: PowerOn | None = None
         self._asked = b""
+        # A record may begin while another thread sends.
+        self._lock = threading.Lock()
 
     def house(self, housed: Housed) -> None:
         """Be this unit from now on, for its next record."""
+        with self._lock:
+            self._house(housed)
+
+    def _house(self, housed: Housed) -> None:
         making = self._making
         self._voice.house(housed)
         self._sampler = Sampler(
@@ -60,6 +67,10 @@ class Emitter:
 
     def transmit(self, now_s: float, outlet: Outlet) -> None:
         """Answer what was asked, and send all that is due by now."""
+        with self._lock:
+            self._transmit(now_s, outlet)
+
+    def _transmit(self, now_s: float, outlet: Outlet) -> None:
         sampler, faults = self._sampler, self._faults
         self._asked += outlet.receive()
         if sampler is None or faults is None:

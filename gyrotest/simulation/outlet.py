@@ -12,7 +12,7 @@ from typing import Protocol
 _CHUNK = 65_536
 # A pseudo-terminal holds some 20 kB, a connection over the loopback some megabytes.
 _PTY_HOLDS = 16_384
-_TCP_HOLDS = 1 << 20
+_TCP_HOLDS = 1 << 19
 
 
 class Outlet(Protocol):
@@ -56,7 +56,9 @@ class TcpOutlet:
     @property
     def room(self) -> int:
         """Bytes that may be sent now."""
-        return _TCP_HOLDS // 2 if self._connection is not None else 0
+        if self._connection is None:
+            return 0
+        return max(0, _TCP_HOLDS // 2 - _unsent(self._connection))
 
     def receive(self) -> bytes:
         """What came from the other end; a new connection takes the place of the last one."""
@@ -137,11 +139,9 @@ class PtyOutlet:
         """Bytes that may be sent now."""
         if self._own < 0:
             return 0
-        import fcntl
         import termios
 
-        waiting = struct.unpack("i", fcntl.ioctl(self._their, termios.FIONREAD, b"\0" * 4))[0]
-        return max(0, _PTY_HOLDS // 2 - int(waiting))
+        return max(0, _PTY_HOLDS // 2 - _asked(self._their, termios.FIONREAD))
 
     def receive(self) -> bytes:
         """What came from the other end."""
@@ -170,3 +170,20 @@ class PtyOutlet:
             os.close(self._own)
             os.close(self._their)
             self._own = -1
+
+
+def _unsent(connection: socket.socket) -> int:
+    """Bytes that the other end has not taken yet, where the platform tells."""
+    try:
+        import termios
+    except ImportError:
+        return 0
+    return _asked(connection.fileno(), termios.TIOCOUTQ)
+
+
+def _asked(descriptor: int, request: int) -> int:
+    """A number that the operating system tells of a line."""
+    import fcntl
+
+    told: int = struct.unpack("i", fcntl.ioctl(descriptor, request, b"\0" * 4))[0]
+    return told

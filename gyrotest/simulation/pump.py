@@ -44,7 +44,7 @@ class Pump:
                 self._transmit(now_s, self._outlet)
 
     def _run(self) -> None:
-        while not self._ended.wait(_EVERY_S):
+        while not self._ended.wait(_EVERY_S if not self._hurried or self._outlet.room == 0 else 0.0):
             if self._hurried and self._outlet.room > 0:
                 self._clock.sleep_until(self._clock.now_s() + _HURRIED_STEP_S)
             self._moved(self._clock.now_s())
