@@ -13,7 +13,7 @@ from gyrotest.analysis.noise_model import DriftKind, NoiseModel
 from gyrotest.certificate.numbers import printed
 from gyrotest.offline.record import RateRecord
 from gyrotest.offline.sources import Source
-from gyrotest.procedures.static.soundness import regularity_complaint
+from gyrotest.procedures.rest.soundness import regularity_complaint
 from gyrotest.procedures.wording import engineering, plain
 from gyrotest.units import Quantity
 

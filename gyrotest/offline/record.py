@@ -17,7 +17,7 @@ from gyrotest.offline.reading import Column, Watch, read_column
 from gyrotest.offline.request import Request
 from gyrotest.offline.sources import Source, time_like
 from gyrotest.offline.uniform import Uniform, uniform_by_row, uniform_by_time
-from gyrotest.procedures.static.soundness import rounding_complaint
+from gyrotest.procedures.rest.soundness import rounding_complaint
 from gyrotest.procedures.wording import plain
 from gyrotest.recordings.formats.contents import contents
 from gyrotest.recordings.formats.detect import Format, detect

@@ -7,11 +7,10 @@ from typing import Any, ClassVar
 from gyrotest.analysis.noise import SHORTEST_RECORD, identify_noise
 from gyrotest.procedures.bias_repeatability.cycles_figure import cycles_figure
 from gyrotest.procedures.bias_repeatability.over_cycles import mean_result
+from gyrotest.procedures.rest.bias import bias_result
+from gyrotest.procedures.rest.bias_over_repeats import bias_over_repeats, bias_spread, biases
+from gyrotest.procedures.rest.record import rest_record
 from gyrotest.procedures.scaling import nominal_complaints
-from gyrotest.procedures.static.bias import bias_result
-from gyrotest.procedures.static.bias_over_repeats import bias_over_repeats, bias_spread, biases
-from gyrotest.procedures.static.parameters import StaticParameters
-from gyrotest.procedures.static.record import static_record
 from gyrotest.records.plan import Context, Plan, Reduction, Step
 from gyrotest.records.recording import Samples
 from gyrotest.records.result import Measurand, Result
@@ -84,7 +83,7 @@ class BiasRepeatability:
 
     def reduce(self, samples: Samples, context: Context) -> Reduction:
         """Return the bias of one cycle; raises `InsufficientDataError`."""
-        record = static_record(samples, context, StaticParameters())
+        record = rest_record(samples, context)
         model = identify_noise(
             record.rate_dps, sample_rate_hz=1.0 / record.interval_s, duty=record.sampling.duty
         )

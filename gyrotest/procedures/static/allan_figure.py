@@ -12,9 +12,9 @@ from gyrotest.procedures.allan_curves import (
     fitted_curve,
 )
 from gyrotest.procedures.drawn_units import Unit, rate_unit
+from gyrotest.procedures.rest.record import RestRecord
 from gyrotest.procedures.static.allan_lines import Lines, floor_walk
 from gyrotest.procedures.static.noise_results import DPH, NoiseAnalysis, duty_note
-from gyrotest.procedures.static.record import StaticRecord
 from gyrotest.procedures.static.terms import ANGLE_WALK, TERMS
 from gyrotest.procedures.static.terms_table import terms_table
 from gyrotest.procedures.wording import plain
@@ -26,7 +26,7 @@ _HEIGHT, _TALL = 0.9, 1.25  # the lower one leaves room for the record above and
 
 
 def allan_figure(
-    record: StaticRecord, noise: NoiseAnalysis, results: tuple[Result, ...], context: Context
+    record: RestRecord, noise: NoiseAnalysis, results: tuple[Result, ...], context: Context
 ) -> Figure:
     """Draw the Allan deviation of a record, the table of its noise terms beneath it."""
     curve = noise.overlapping
@@ -113,7 +113,7 @@ def _marks(noise: NoiseAnalysis, rate: Unit, named: Mapping[str, Result]) -> Ite
         yield Mark(x=lowest.tau_s, y=lowest.deviation_dps * rate.factor, label=label)
 
 
-def _caption(record: StaticRecord, lines: Lines) -> Iterator[str]:
+def _caption(record: RestRecord, lines: Lines) -> Iterator[str]:
     yield "Heavy: overlapping estimator; thin: classic one."
     if not record.rounding:
         yield "Brown: fit and, thin, those of its terms that are resolved, by letter."

@@ -7,8 +7,8 @@ import numpy as np
 
 from gyrotest.analysis.allan import FLAT
 from gyrotest.procedures.drawn_units import Unit
+from gyrotest.procedures.rest.record import RestRecord
 from gyrotest.procedures.static.noise_results import NoiseAnalysis
-from gyrotest.procedures.static.record import StaticRecord
 from gyrotest.procedures.static.terms import ANGLE_WALK, BIAS_INSTABILITY, TERMS, Term
 from gyrotest.procedures.wording import plain
 from gyrotest.records.figure import Curve, Role
@@ -43,7 +43,7 @@ class Lines:
             yield from self._sloped(ANGLE_WALK, self.limits[_AS_READ], 1.0, Role.LIMIT, "limit")
         yield from self._lines(self.datasheet, Role.DATASHEET, "datasheet")
 
-    def floor(self, record: StaticRecord) -> Iterator[Curve]:
+    def floor(self, record: RestRecord) -> Iterator[Curve]:
         """Give the meter's own white noise, where it is known and not far below the curve."""
         walk = floor_walk(record)
         if walk is not None and not self.floor_is_far_below(record):
@@ -51,7 +51,7 @@ class Lines:
             y = tuple((walk / np.sqrt(tau) * self.rate.factor).tolist())
             yield Curve(x=tuple(tau.tolist()), y=y, role=Role.FLOOR, label="meter's own noise")
 
-    def floor_is_far_below(self, record: StaticRecord) -> bool:
+    def floor_is_far_below(self, record: RestRecord) -> bool:
         """Whether the meter's own noise would only stretch the axis."""
         walk, curve = floor_walk(record), self.noise.overlapping
         highest = 0.0 if walk is None else walk / float(np.sqrt(curve.tau_s[0]))
@@ -100,7 +100,7 @@ class Lines:
         return min([float(self.noise.overlapping.deviation_dps.min()), *levels])
 
 
-def floor_walk(record: StaticRecord) -> float | None:
+def floor_walk(record: RestRecord) -> float | None:
     """Return the meter's own white noise as an angle random walk, °/√s; None where it is not known."""
     return record.floor_dps * float(np.sqrt(record.interval_s)) if record.floor_dps else None
 

@@ -1,8 +1,8 @@
 """Figures of a static test: the record over time, its residuals, its Allan deviation."""
 
+from gyrotest.procedures.rest.record import RestRecord
 from gyrotest.procedures.static.allan_figure import allan_figure
 from gyrotest.procedures.static.noise_results import NoiseAnalysis
-from gyrotest.procedures.static.record import StaticRecord
 from gyrotest.procedures.static.time_figures import histogram_figure, record_figure
 from gyrotest.records.figure import Figure
 from gyrotest.records.plan import Context
@@ -10,7 +10,7 @@ from gyrotest.records.result import Result
 
 
 def static_figures(
-    record: StaticRecord, noise: NoiseAnalysis, results: tuple[Result, ...], context: Context
+    record: RestRecord, noise: NoiseAnalysis, results: tuple[Result, ...], context: Context
 ) -> tuple[Figure, ...]:
     """Return the figures, in the order of the certificate."""
     return (

@@ -16,9 +16,9 @@ from gyrotest.analysis.dead_time import dead_time_correction
 from gyrotest.analysis.minimum import FEWEST_FREEDOM, AllanMinimum, allan_minimum
 from gyrotest.analysis.noise import NoiseModel, fitted_factors, identify_noise
 from gyrotest.analysis.smoothing import smoothed_deviation
+from gyrotest.procedures.rest.record import RestRecord
+from gyrotest.procedures.rest.spread import Spread, spread_result
 from gyrotest.procedures.static.parameters import StaticParameters, stability_name
-from gyrotest.procedures.static.record import StaticRecord
-from gyrotest.procedures.static.spread import Spread, spread_result
 from gyrotest.procedures.static.terms import (
     ANGLE_WALK,
     BIAS_INSTABILITY,
@@ -47,7 +47,7 @@ class NoiseAnalysis:
     minimum: AllanMinimum | None
 
 
-def analyse_noise(record: StaticRecord) -> NoiseAnalysis:
+def analyse_noise(record: RestRecord) -> NoiseAnalysis:
     """Compute both Allan deviations and fit the noise model."""
     rate_hz = 1.0 / record.interval_s
     shown = _shown_factors(record)
@@ -68,7 +68,7 @@ def analyse_noise(record: StaticRecord) -> NoiseAnalysis:
     )
 
 
-def _shown_factors(record: StaticRecord) -> NDArray[np.int64]:
+def _shown_factors(record: RestRecord) -> NDArray[np.int64]:
     """Return the averaging factors that are drawn: log-spaced, and those of 1 s, 10 s, … where there are such."""
     factors = default_factors(record.rate_dps.size)
     first, last = np.log10(factors[[0, -1]] * record.interval_s)
@@ -80,7 +80,7 @@ def _shown_factors(record: StaticRecord) -> NDArray[np.int64]:
 
 
 def stability_result(
-    record: StaticRecord,
+    record: RestRecord,
     model: NoiseModel,
     smoothing: Quantity,
     parameters: StaticParameters,
@@ -112,7 +112,7 @@ def stability_result(
     )
 
 
-def minimum_result(record: StaticRecord, noise: NoiseAnalysis, context: Context) -> Result:
+def minimum_result(record: RestRecord, noise: NoiseAnalysis, context: Context) -> Result:
     """Return the Allan minimum: the lowest point of the curve where it is certain enough."""
     name, label, unit = "allan_minimum", "Allan deviation, minimum", "deg/h"
     lowest = noise.minimum
@@ -137,7 +137,7 @@ def minimum_result(record: StaticRecord, noise: NoiseAnalysis, context: Context)
     )
 
 
-def coefficient_results(record: StaticRecord, model: NoiseModel, context: Context) -> tuple[Result, ...]:
+def coefficient_results(record: RestRecord, model: NoiseModel, context: Context) -> tuple[Result, ...]:
     """Return the model's five coefficients, the angle random walk corrected for dead time and as read."""
     return (
         _fitted_result(BIAS_INSTABILITY, record, model, context),
@@ -146,7 +146,7 @@ def coefficient_results(record: StaticRecord, model: NoiseModel, context: Contex
     )
 
 
-def _fitted_result(term: Term, record: StaticRecord, model: NoiseModel, context: Context) -> Result:
+def _fitted_result(term: Term, record: RestRecord, model: NoiseModel, context: Context) -> Result:
     """Return a coefficient as fitted, or as an upper limit where the record does not resolve it."""
     return spread_result(
         term.spread(model),
@@ -164,7 +164,7 @@ def _fit_note(term: Term, model: NoiseModel) -> str:
     return fitted if term.of(model).resolved else f"not resolved; {fitted}"
 
 
-def _walk_results(record: StaticRecord, model: NoiseModel, context: Context) -> tuple[Result, ...]:
+def _walk_results(record: RestRecord, model: NoiseModel, context: Context) -> tuple[Result, ...]:
     """Return the angle random walk, corrected for dead time, and as read."""
     apparent = _apparent(record, model)
     fitted = _fit_note(ANGLE_WALK, model)
@@ -180,7 +180,7 @@ def _walk_results(record: StaticRecord, model: NoiseModel, context: Context) -> 
     return (_corrected(record, apparent, fitted, context), as_read)
 
 
-def _apparent(record: StaticRecord, model: NoiseModel) -> Spread:
+def _apparent(record: RestRecord, model: NoiseModel) -> Spread:
     """Return N; the lower end allows for the share that the meter's own noise may have."""
     spread = ANGLE_WALK.spread(model)
     if spread.at_most or record.floor_dps is None:
@@ -191,7 +191,7 @@ def _apparent(record: StaticRecord, model: NoiseModel) -> Spread:
     return replace(spread, lower=max(lower, 0.0))
 
 
-def _corrected(record: StaticRecord, apparent: Spread, fitted: str, context: Context) -> Result:
+def _corrected(record: RestRecord, apparent: Spread, fitted: str, context: Context) -> Result:
     sampling, bandwidth = record.sampling, context.output.bandwidth
     correction = dead_time_correction(
         reading_s=sampling.effective_aperture_s / sampling.readings,
@@ -220,7 +220,7 @@ def _corrected(record: StaticRecord, apparent: Spread, fitted: str, context: Con
     )
 
 
-def _unknown_noise(record: StaticRecord, context: Context) -> tuple[str, ...]:
+def _unknown_noise(record: RestRecord, context: Context) -> tuple[str, ...]:
     """Name the meter's share of the noise, where there is a meter and its noise is not known."""
     unknown = record.floor_dps is None and context.accuracy is not None
     return ("noise of the meter",) if unknown else ()
@@ -231,7 +231,7 @@ def not_evaluated(name: str, label: str, unit: str, reason: str) -> Result:
     return Result(name=name, label=label, value=None, unit=unit, condition=reason)
 
 
-def duty_note(record: StaticRecord) -> str:
+def duty_note(record: RestRecord) -> str:
     """Say that a record has dead time, where it has."""
     duty = record.sampling.duty
     return "" if duty >= 1.0 - 1e-9 else f"dead time, duty {plain(duty, 3)}"

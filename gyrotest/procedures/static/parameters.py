@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from gyrotest.analysis.noise import SHORTEST_RECORD
+from gyrotest.procedures.rest.bias_over_repeats import run_to_run_name
 from gyrotest.procedures.static.terms import (
     ANGLE_WALK,
     BIAS_INSTABILITY,
@@ -15,7 +16,7 @@ from gyrotest.procedures.static.terms import (
 )
 from gyrotest.records.described import Described
 from gyrotest.records.result import Measurand
-from gyrotest.records.spec import Between, Case, Over
+from gyrotest.records.spec import Case, Over
 from gyrotest.units import Dimension, OfDimension, Quantity
 
 _WHOLE = 1e-6
@@ -52,11 +53,6 @@ class StaticParameters:
 def stability_name(smoothing: Quantity) -> str:
     """Return the name of the bias stability over a smoothing time: `bias_stability_10s`."""
     return f"bias_stability_{str(smoothing).replace(' ', '')}"
-
-
-def run_to_run_name(case: Case) -> str:
-    """Return what the spread of the bias over the repeats is called: by what lies between them."""
-    return "bias_repeatability" if case.between_repeats is Between.POWER_CYCLE else "bias_run_to_run"
 
 
 def static_measurands(case: Case, parameters: StaticParameters) -> tuple[Measurand, ...]:

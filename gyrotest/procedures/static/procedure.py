@@ -3,9 +3,10 @@
 from collections.abc import Iterable
 from typing import Any
 
+from gyrotest.procedures.rest.bias import bias_result
+from gyrotest.procedures.rest.bias_over_repeats import bias_over_repeats
+from gyrotest.procedures.rest.record import rest_record
 from gyrotest.procedures.scaling import nominal_complaints
-from gyrotest.procedures.static.bias import bias_result
-from gyrotest.procedures.static.bias_over_repeats import bias_over_repeats
 from gyrotest.procedures.static.figures import static_figures
 from gyrotest.procedures.static.noise_results import (
     analyse_noise,
@@ -19,7 +20,6 @@ from gyrotest.procedures.static.parameters import (
     static_complaints,
     static_measurands,
 )
-from gyrotest.procedures.static.record import static_record
 from gyrotest.records.plan import Context, Plan, Reduction, Step
 from gyrotest.records.recording import Samples
 from gyrotest.records.result import Measurand, Result
@@ -58,7 +58,7 @@ class Static:
     def reduce(self, samples: Samples, context: Context) -> Reduction:
         """Return results and figures of one acquisition; raises `InsufficientDataError`."""
         parameters: StaticParameters = context.parameters
-        record = static_record(samples, context, parameters)
+        record = rest_record(samples, context, window=parameters.window)
         noise = analyse_noise(record)
         spreads = (
             *(

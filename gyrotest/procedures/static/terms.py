@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from gyrotest.analysis.allan import FLAT
 from gyrotest.analysis.noise_model import NoiseModel, NoiseTerm
-from gyrotest.procedures.static.spread import Spread
+from gyrotest.procedures.rest.spread import Spread
 from gyrotest.units import Dimension, conversion_factor
 
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from gyrotest.analysis.interval import NORMAL_95
 from gyrotest.analysis.noise_model import Drift, DriftKind, NoiseModel, SpectralLine, TauRange
+from gyrotest.procedures.rest.soundness import regularity_complaint
 from gyrotest.procedures.static.noise_results import NoiseAnalysis
-from gyrotest.procedures.static.soundness import regularity_complaint
 from gyrotest.procedures.static.terms import ANGLE_WALK, TERMS
 from gyrotest.procedures.wording import engineering, plain
 from gyrotest.records.plan import Context

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.procedures.drawn_units import Unit, rate_unit, time_unit
-from gyrotest.procedures.static.record import StaticRecord
+from gyrotest.procedures.rest.record import RestRecord
 from gyrotest.procedures.wording import engineering, plain
 from gyrotest.records.figure import Band, Bars, Curve, Figure, Panel, Role, Width
 
@@ -29,7 +29,7 @@ class _Bins:
     mean: NDArray[np.float64]
 
 
-def record_figure(record: StaticRecord) -> Figure:
+def record_figure(record: RestRecord) -> Figure:
     """Draw the rate over time: a band that hides no sample, and below it means that show drift."""
     bins = _binned(record.rate_dps, math.ceil(record.rate_dps.size / _MOST_BINS))
     bound = float(max(abs(bins.lowest.min()), abs(bins.highest.max())))
@@ -59,7 +59,7 @@ def record_figure(record: StaticRecord) -> Figure:
     )
 
 
-def _record_note(record: StaticRecord) -> str:
+def _record_note(record: RestRecord) -> str:
     parts = [
         f"{record.rate_dps.size:,} samples".replace(",", "\N{NARROW NO-BREAK SPACE}"),
         f"every {engineering(record.interval_s, 's', 4)}",
@@ -68,7 +68,7 @@ def _record_note(record: StaticRecord) -> str:
     return ", ".join([*parts, record.condition] if record.condition else parts)
 
 
-def _band_panel(record: StaticRecord, bins: _Bins, rate: Unit, time: Unit) -> Panel:
+def _band_panel(record: RestRecord, bins: _Bins, rate: Unit, time: Unit) -> Panel:
     middle = _middles(record, bins.mean.size, bins.size)
     x = _drawn(middle, time)
     band = Band(x=x, lower=_drawn(bins.lowest, rate), upper=_drawn(bins.highest, rate))
@@ -80,20 +80,20 @@ def _band_panel(record: StaticRecord, bins: _Bins, rate: Unit, time: Unit) -> Pa
     )
 
 
-def _middles(record: StaticRecord, count: int, size: int) -> NDArray[np.float64]:
+def _middles(record: RestRecord, count: int, size: int) -> NDArray[np.float64]:
     """Return the times at which consecutive runs of `size` samples have their middle."""
     runs = np.arange(count, dtype=np.float64)
     return np.asarray(record.begin_s + (runs + 0.5) * size * record.interval_s, dtype=np.float64)
 
 
-def _panel_mean_s(record: StaticRecord) -> float:
+def _panel_mean_s(record: RestRecord) -> float:
     """Return 60 s, or longer means where that would be more than the bins of a page."""
     intervals = max(round(_MEAN_S / record.interval_s), 1)
     bins = record.rate_dps.size // intervals
     return intervals * record.interval_s * max(math.ceil(bins / _MOST_BINS), 1)
 
 
-def _mean_panels(record: StaticRecord, rate: Unit, time: Unit, mean: float) -> tuple[Panel, ...]:
+def _mean_panels(record: RestRecord, rate: Unit, time: Unit, mean: float) -> tuple[Panel, ...]:
     mean_s = _panel_mean_s(record)
     size = round(mean_s / record.interval_s)
     if size < 2 or record.rate_dps.size < 2 * size:
@@ -125,7 +125,7 @@ def _binned(rate: NDArray[np.float64], size: int) -> _Bins:
     )
 
 
-def histogram_figure(record: StaticRecord) -> Figure:
+def histogram_figure(record: RestRecord) -> Figure:
     """Draw the distribution of the rates about their mean beside a normal one."""
     mean, deviation = float(record.rate_dps.mean()), float(record.rate_dps.std(ddof=1))
     unit = rate_unit(4.0 * deviation)
@@ -156,7 +156,7 @@ def histogram_figure(record: StaticRecord) -> Figure:
     )
 
 
-def _edges(record: StaticRecord, mean: float, half: float) -> NDArray[np.float64]:
+def _edges(record: RestRecord, mean: float, half: float) -> NDArray[np.float64]:
     """Return the bins' edges: of a digitised record each bin holds as many steps, or it would look like a comb."""
     if record.step_dps is None:
         return np.linspace(-half, half, _HISTOGRAM_BINS + 1)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from gyrotest.analysis.noise_model import Drift, DriftKind, SpectralLine
-from gyrotest.procedures.static import Static, StaticParameters
+from gyrotest.procedures.rest.record import rest_record
+from gyrotest.procedures.static import Static
 from gyrotest.procedures.static.noise_results import analyse_noise
-from gyrotest.procedures.static.record import static_record
 from gyrotest.procedures.static.terms_table import terms_table
 from gyrotest.records.figure import Figure, Panel, Role
 from gyrotest.records.spec import Limit, Output, OutputKind
@@ -136,7 +136,7 @@ def test_the_table_of_terms_has_their_values_beside_the_datasheets() -> None:
 @pytest.mark.parametrize(("better", "told"), [(1e-5, 0), (1e-7, 1)])
 def test_the_table_asks_whether_noise_that_is_too_regular_is_noise(better: float, told: int) -> None:
     context = static_context()
-    noise = analyse_noise(static_record(voltages(rates()), context, StaticParameters()))
+    noise = analyse_noise(rest_record(voltages(rates()), context))
     named = by_name(Static().reduce(voltages(rates()), context).results)
     model = dataclasses.replace(noise.model, misfit=0.0267, fit_probability=1.0 - better)
     sentences = terms_table(dataclasses.replace(noise, model=model), named, context).sentences
@@ -146,7 +146,7 @@ def test_the_table_asks_whether_noise_that_is_too_regular_is_noise(better: float
 
 def test_the_table_says_how_well_the_model_fits_and_what_was_kept_out_of_it() -> None:
     context = static_context()
-    record = static_record(voltages(rates()), context, StaticParameters())
+    record = rest_record(voltages(rates()), context)
     noise = analyse_noise(record)
     named = by_name(Static().reduce(voltages(rates()), context).results)
     plain = terms_table(noise, named, context)

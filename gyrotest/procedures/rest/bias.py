@@ -2,15 +2,15 @@
 
 from gyrotest.analysis.noise import NoiseModel
 from gyrotest.procedures.earth import earth_share, earth_words
-from gyrotest.procedures.static.budget import bias_budget, missing_contributions
-from gyrotest.procedures.static.record import StaticRecord
+from gyrotest.procedures.rest.budget import bias_budget, missing_contributions
+from gyrotest.procedures.rest.record import RestRecord
 from gyrotest.procedures.uncertainty import expanded
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
 
 
-def bias_result(record: StaticRecord, model: NoiseModel, context: Context) -> Result:
+def bias_result(record: RestRecord, model: NoiseModel, context: Context) -> Result:
     """Return the mean rate less the Earth's share, with its budget (GUM, JCGM 100)."""
     mean_dps = float(record.rate_dps.mean())
     share_dps = earth_share(context)
@@ -29,6 +29,6 @@ def bias_result(record: StaticRecord, model: NoiseModel, context: Context) -> Re
     )
 
 
-def _condition(record: StaticRecord, share_dps: float | None) -> str:
+def _condition(record: RestRecord, share_dps: float | None) -> str:
     parts = (f"mean over {plain(record.duration_s, 6)} s", record.condition, earth_words(share_dps))
     return "; ".join(part for part in parts if part)

@@ -1,4 +1,4 @@
-"""The record that a static test reduces: checked, gap-free, in °/s."""
+"""The record at rest that a test reduces: checked, gap-free, in °/s."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,17 +10,20 @@ from gyrotest.analysis.continuity import Stretch, stretches_by_index, stretches_
 from gyrotest.analysis.noise import SHORTEST_RECORD
 from gyrotest.analysis.resolution import digital_step
 from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.rest.soundness import refuse_bad, refuse_lifeless, rounding_complaint
 from gyrotest.procedures.scaling import Scaling, output_scaling
-from gyrotest.procedures.static.parameters import StaticParameters
-from gyrotest.procedures.static.soundness import refuse_bad, refuse_lifeless, rounding_complaint
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import Samples, Sampling
 from gyrotest.records.spec import Gaps
+from gyrotest.units import Quantity
+
+Window = tuple[Quantity, Quantity]
+"""A part of a record, [begin, end), from its first sample on."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class StaticRecord:
+class RestRecord:
     """A stretch of evenly spaced rates that begins `begin_s` after the recording's first sample.
 
     `floor_dps` is the meter's own noise of a sample and `step_dps` what it is digitised in, where known;
@@ -54,11 +57,14 @@ class StaticRecord:
         return self.rate_dps[first:]
 
 
-def static_record(samples: Samples, context: Context, parameters: StaticParameters) -> StaticRecord:
-    """Check the samples and turn them into rates; raises `InsufficientDataError`."""
+def rest_record(samples: Samples, context: Context, *, window: Window | None = None) -> RestRecord:
+    """Check the samples and turn them into rates; raises `InsufficientDataError`.
+
+    `window` is the part of the record that is used, begin and end; None: all of it.
+    """
     sampling = samples.sampling
-    window = _window(samples, parameters)
-    stretches = tuple(_clipped(_stretches(samples, context), window))
+    part = _part(samples, window)
+    stretches = tuple(_clipped(_stretches(samples, context), part))
     used = _used(stretches, samples, context)
     values = samples.values[used.start : used.stop, 0]
     refuse_bad(values, samples.flags[used.start : used.stop], used.start)
@@ -70,8 +76,8 @@ def static_record(samples: Samples, context: Context, parameters: StaticParamete
     refuse_lifeless(values, sampling, used.start)
     scaling = output_scaling(context.output, sampling.unit)
     whole = len(stretches) == 1
-    note = "" if whole else f"longest gap-free stretch, {used.size} of {window.size} samples"
-    return StaticRecord(
+    note = "" if whole else f"longest gap-free stretch, {used.size} of {part.size} samples"
+    return RestRecord(
         rate_dps=scaling.rates_dps(values),
         begin_s=_begin_s(samples, used.start),
         sampling=sampling,
@@ -90,16 +96,16 @@ def static_record(samples: Samples, context: Context, parameters: StaticParamete
     )
 
 
-def _window(samples: Samples, parameters: StaticParameters) -> Stretch:
+def _part(samples: Samples, window: Window | None) -> Stretch:
     count, interval_s = samples.values.shape[0], samples.sampling.interval_s
-    if parameters.window is None:
+    if window is None:
         return Stretch(start=0, stop=count)
-    begin, end = (round(one.to("s") / interval_s) for one in parameters.window)
+    begin, end = (round(one.to("s") / interval_s) for one in window)
     place = _places(samples)
     length = count if place is None else int(place[-1]) + 1
     if end > length:
         raise InsufficientDataError(
-            f"the window [{parameters.window[0]}, {parameters.window[1]}) ends beyond the record of"
+            f"the window [{window[0]}, {window[1]}) ends beyond the record of"
             f" {plain(length * interval_s, 6)} s"
         )
     if place is None:

@@ -4,16 +4,20 @@ import math
 
 from gyrotest.analysis.repeatability import Repeatability, repeatability
 from gyrotest.errors import InsufficientDataError
-from gyrotest.procedures.static.parameters import run_to_run_name
-from gyrotest.procedures.static.spread import Spread, spread_result
+from gyrotest.procedures.rest.spread import Spread, spread_result
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
-from gyrotest.records.spec import Between
+from gyrotest.records.spec import Between, Case
 from gyrotest.units import conversion_factor
 
 _FEWEST = 2
 _TOLD = 0.05  # of the spread: less noise of the repeats is not worth telling
+
+
+def run_to_run_name(case: Case) -> str:
+    """Return what the spread of the bias over the repeats is called: by what lies between them."""
+    return "bias_repeatability" if case.between_repeats is Between.POWER_CYCLE else "bias_run_to_run"
 
 
 def biases(repeats: tuple[tuple[Result, ...], ...], context: Context) -> tuple[Result, ...]:

@@ -7,7 +7,7 @@ from gyrotest.analysis.noise import NoiseModel
 from gyrotest.analysis.resolution import mean_half_width
 from gyrotest.procedures.earth import of_earth
 from gyrotest.procedures.meter import meter_contributions, missing_of_meter
-from gyrotest.procedures.static.record import StaticRecord
+from gyrotest.procedures.rest.record import RestRecord
 from gyrotest.procedures.uncertainty import by_statistics, rectangular
 from gyrotest.procedures.wording import plain, rate_text
 from gyrotest.records.plan import Context
@@ -18,7 +18,7 @@ _MATTERS = 1.7e-3
 
 
 def bias_budget(
-    record: StaticRecord, model: NoiseModel, mean_dps: float, share_dps: float | None, context: Context
+    record: RestRecord, model: NoiseModel, mean_dps: float, share_dps: float | None, context: Context
 ) -> tuple[Contribution, ...]:
     """Return every contribution to the uncertainty of a bias, in °/s."""
     first = _statistical(record, model, context)
@@ -37,7 +37,7 @@ def bias_budget(
     )
 
 
-def missing_contributions(record: StaticRecord, context: Context) -> Iterator[str]:
+def missing_contributions(record: RestRecord, context: Context) -> Iterator[str]:
     """Give what could not be had of the budget of a bias."""
     yield from missing_of_meter(context, record.sampling)
     if context.output.scale_factor_uncertainty is None:
@@ -46,7 +46,7 @@ def missing_contributions(record: StaticRecord, context: Context) -> Iterator[st
         yield "drift before the record (time of power-on not known)"
 
 
-def _statistical(record: StaticRecord, model: NoiseModel, context: Context) -> Contribution:
+def _statistical(record: RestRecord, model: NoiseModel, context: Context) -> Contribution:
     since_s = context.since_power_on_s
     if since_s is None:
         since_s = 0.0 if context.case.warm_up is None else context.case.warm_up.to("s")
@@ -60,7 +60,7 @@ def _statistical(record: StaticRecord, model: NoiseModel, context: Context) -> C
     )
 
 
-def _of_steps(record: StaticRecord, noise_dps: float) -> Iterator[Contribution]:
+def _of_steps(record: RestRecord, noise_dps: float) -> Iterator[Contribution]:
     """Give the steps in which the samples are digitised, where they matter beside the noise."""
     if record.step_dps is None:
         return
