@@ -24,6 +24,8 @@ FEWEST_PRESENT = 0.5
 """Share of a dwell's samples that are needed: what was lost on the way does not bias a mean."""
 
 _MINUS = "\N{MINUS SIGN}"
+_MAD_OF_NORMAL = 0.6745
+_BLUR_SIGMAS, _LEAST_BLUR, _MOST_BLUR = 6.0, 0.1, 0.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -135,13 +137,14 @@ def dwell_records(
     places = sample_places(samples, context)
     scaling = output_scaling(context.output, samples.sampling.unit)
     cuts = [_cut(samples, places, dwell) for dwell in context.dwells]
+    blur = _blur(cuts)
     for cut in cuts:
-        _refuse_unfit(cut, context, may_saturate=may_saturate)
+        _refuse_unfit(cut, context, blur, may_saturate=may_saturate)
     readings = [cut.only(~cut.overloaded) for cut in cuts]
     deviations = [median_deviation(one.values) for one in readings if one.values.size]
     usual_dps = scaling.spread_dps(float(np.median(deviations))) if deviations else 0.0
     return tuple(
-        _record(cut, one, scaling, rule or OutlierRule(), usual_dps)
+        _record(cut, one, scaling, _Choice(rule=rule or OutlierRule(), usual_dps=usual_dps, blur=blur))
         for cut, one in zip(cuts, readings, strict=True)
     )
 
@@ -208,23 +211,45 @@ def _cut(samples: Samples, places: NDArray[np.int64], dwell: Dwell) -> _Cut:
     )
 
 
-def _refuse_unfit(cut: _Cut, context: Context, *, may_saturate: bool) -> None:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Choice:
+    """What decides which samples count: the rule, the dwells' usual deviation, how wide a limit looks."""
+
+    rule: OutlierRule
+    usual_dps: float
+    blur: float
+
+
+def _blur(cuts: list[_Cut]) -> float:
+    """Return how wide the noise of what reads the output makes a limit of it, in the indication's unit.
+
+    No more than half the noise at rest, where the output is certainly none; at least a tenth of it.
+    """
+    rest = [one.only(~one.overloaded).values for one in cuts if one.dwell.rate_dps == 0.0]
+    deviations = [median_deviation(one) for one in rest if one.size]
+    if not deviations:
+        return 0.0
+    usual = min(deviations) / _MAD_OF_NORMAL
+    own = _BLUR_SIGMAS * (cuts[0].sampling.noise or 0.0)
+    return min(max(own, _LEAST_BLUR * usual), _MOST_BLUR * usual)
+
+
+def _refuse_unfit(cut: _Cut, context: Context, blur: float, *, may_saturate: bool) -> None:
     """Refuse too few samples, bad ones, and, unless they may, saturated ones."""
     _refuse_few(cut)
     readings = cut.only(~cut.overloaded)
     _refuse_bad(readings)
     if not may_saturate:
-        _refuse_saturated(cut, readings.values[rail_of(readings.values)], context)
+        railed = readings.values[rail_of(readings.values, blur=blur)]
+        _refuse_saturated(cut, railed, context)
 
 
-def _record(
-    cut: _Cut, readings: _Cut, scaling: Scaling, rule: OutlierRule, usual_dps: float
-) -> DwellRecord:
+def _record(cut: _Cut, readings: _Cut, scaling: Scaling, choice: _Choice) -> DwellRecord:
     """Take the outliers out; an overload's value is no reading and does not count."""
-    railed = rail_of(readings.values)
+    railed = rail_of(readings.values, blur=choice.blur)
     chosen = readings
     if not railed.any() and readings.values.size:
-        chosen = readings.only(_kept(readings, scaling, rule, usual_dps))
+        chosen = readings.only(_kept(readings, scaling, choice))
     return DwellRecord(
         dwell=cut.dwell,
         output=scaling.outputs(chosen.values),
@@ -238,14 +263,14 @@ def _record(
     )
 
 
-def _kept(readings: _Cut, scaling: Scaling, rule: OutlierRule, usual_dps: float) -> NDArray[np.bool_]:
+def _kept(readings: _Cut, scaling: Scaling, choice: _Choice) -> NDArray[np.bool_]:
     rate_dps, demanded_dps = scaling.rates_dps(readings.values), readings.dwell.rate_dps
-    kept = rule.kept(rate_dps, demanded_dps, usual_dps=usual_dps)
+    kept = choice.rule.kept(rate_dps, demanded_dps, usual_dps=choice.usual_dps)
     dropped = int(rate_dps.size - kept.sum())
     if dropped > max(MOST_DROPPED * rate_dps.size, 1.0):
         raise InsufficientDataError(
             f"{_named(readings.dwell)}: {dropped} of {rate_dps.size} samples are not"
-            f" {rule.spoken(demanded_dps)} (at most {MOST_DROPPED:.0%} may be dropped after settling):"
+            f" {choice.rule.spoken(demanded_dps)} (at most {MOST_DROPPED:.0%} may be dropped after settling):"
             " settle longer, or correct the rule"
         )
     return kept
@@ -312,5 +337,5 @@ def _refuse_saturated(cut: _Cut, railed: NDArray[np.float64], context: Context) 
 
 
 def _spoken(railed: NDArray[np.float64], sampling: Sampling) -> str:
-    ends = " or ".join(plain(float(one), 9) for one in np.unique(railed)[:2])
-    return f"{ends} {printed_unit(sampling.unit)}".replace("-", _MINUS)
+    ends = [plain(float(one), 5) for one in (railed.min(), railed.max())]
+    return f"{' or '.join(dict.fromkeys(ends))} {printed_unit(sampling.unit)}".replace("-", _MINUS)

@@ -187,7 +187,6 @@ def _rest_result(turns: Turns, difference: Linear) -> Result:
         expanded_uncertainty=whole.uncertainty,
         coverage_factor=whole.factor,
         condition=f"{plain(turns.rest[-1].middle_s - turns.rest[0].middle_s, 4)} s apart",
-        budget=(line,),
     )
 
 

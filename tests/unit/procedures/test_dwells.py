@@ -115,6 +115,25 @@ def test_samples_at_a_rail_are_found_without_a_flag() -> None:
     )
 
 
+@pytest.mark.parametrize("limit_v", [3.0, 4.0])
+def test_a_rail_behind_the_meters_noise_is_found(limit_v: float) -> None:
+    samples = samples_of_turns(STILL, PLAN)
+    noise = np.random.default_rng(7).normal(0.0, 3e-6, samples.values.shape)
+    clipped = np.minimum(samples.values, 2.5 + limit_v) + noise
+    message = refusal(dataclasses.replace(samples, values=clipped))
+    turn = {3.0: "step 'turn 7' at 60 °/s", 4.0: "step 'turn 9' at 80 °/s"}[limit_v]
+    assert message.startswith(turn)
+    assert "the output stands at its limit" in message
+
+
+def test_a_gyro_quieter_than_the_meter_is_no_gyro_at_its_limit() -> None:
+    quiet = dataclasses.replace(STILL, noise={"angle_random_walk": 1e-6})
+    samples = samples_of_turns(quiet, PLAN)
+    noise = np.random.default_rng(8).normal(0.0, 3e-6, samples.values.shape)
+    records = records_of(dataclasses.replace(samples, values=samples.values + noise))
+    assert [one.dropped for one in records] == [0] * 12
+
+
 def test_where_it_may_saturate_overloads_do_not_count_and_rails_are_told() -> None:
     samples = samples_of_turns(dataclasses.replace(STILL, saturation=4.0), PLAN)
     records = records_of(samples, may_saturate=True)

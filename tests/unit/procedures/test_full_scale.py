@@ -71,7 +71,7 @@ def test_overloads_are_data_and_end_the_range() -> None:
     assert "Saturation found forward at 110 °/s: 50 of 50 samples overloaded" in found.remarks[0]
 
 
-@pytest.mark.parametrize("noise_v", [0.0, 1e-4])
+@pytest.mark.parametrize("noise_v", [0.0, 3e-6])
 def test_a_rail_is_found_by_the_values_each_way_apart(noise_v: float) -> None:
     found = by_name(reduced(clipped((2.5 - 4.25, 2.5 + 5.6), noise_v)).results)
     assert found["measurement_range_forward"].value == 110.0
