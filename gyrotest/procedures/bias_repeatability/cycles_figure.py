@@ -11,7 +11,7 @@ from gyrotest.records.result import Result
 from gyrotest.units import conversion_factor
 
 _MINUS = "\N{MINUS SIGN}"
-_NEAR = 3.0  # how many times the span of the points a limit may lie beyond them and be drawn
+_NEAR = 1.0  # how many times the span of the points a limit may lie beyond them and be drawn
 _SIDE = 0.5
 
 

@@ -86,7 +86,12 @@ class BiasTemperatureSensitivity:
 
 
 def _returns(points: SetPoints) -> Iterator[str]:
-    """Say by how much the bias has changed where a set point was reached again."""
+    """Say by how much the bias has changed where a set point was reached again, or that the room never was."""
+    if points.visits(points.room) == 1:
+        yield (
+            "No return to the room temperature: how far the bias wandered by itself meanwhile is known from the"
+            " records' own noise only."
+        )
     demanded = [one.dwell.temperature_degc or 0.0 for one in points.records]
     for set_point in points.set_degc:
         visits = [place for place, one in enumerate(demanded) if same_set_point(one, float(set_point))]
