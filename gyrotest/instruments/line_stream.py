@@ -64,11 +64,11 @@ class LineStream:
     def open(self) -> Identity:
         """Connect, ask for the serial number where the station says how, and make the board send."""
         line = SerialLine(baud_rate=self._settings.baud_rate, parity=self._settings.parity)
-        self._flow.attach(self._connect(self._resource, line, self._open_timeout_s))
+        self._flow.intake.attach(self._connect(self._resource, line, self._open_timeout_s))
         self._device = Device(serial_number=self._asked())
         self._check_serial_number()
         if self._settings.start:
-            self._flow.send(self._settings.start.encode())
+            self._flow.intake.send(self._settings.start.encode())
         return Identity(
             manufacturer="",
             model="line stream",
@@ -113,7 +113,7 @@ class LineStream:
 
     def recover(self) -> int:
         """Connect anew; returns the position on the grid at which sampling can go on."""
-        self._flow.detach()
+        self._flow.intake.detach()
         before = self._device.serial_number
         self.open()
         if before is not None and self._device.serial_number != before:
@@ -131,18 +131,18 @@ class LineStream:
         """Make the board stop, and disconnect; never raises."""
         with contextlib.suppress(InstrumentError):
             if self._settings.stop:
-                self._flow.send(self._settings.stop.encode())
-        self._flow.detach()
+                self._flow.intake.send(self._settings.stop.encode())
+        self._flow.intake.detach()
 
     def _asked(self) -> str | None:
         """The serial number; None where the station does not say how to ask, or no answer fits."""
         pattern = self._settings.serial_number_pattern
         if pattern is None:
             return None
-        self._flow.send(self._settings.ask_serial_number.encode())
+        self._flow.intake.send(self._settings.ask_serial_number.encode())
         said = b""
         for _ in range(_ANSWER_STEPS):
-            said += self._flow.raw(_ANSWER_STEP_S)
+            said += self._flow.intake.raw(_ANSWER_STEP_S)
             for line in said.decode("ascii", errors="replace").split("\n")[:-1]:
                 if found := re.search(pattern, line):
                     return found[1].strip()

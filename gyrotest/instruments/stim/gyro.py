@@ -77,7 +77,7 @@ class SerialGyro:
     def open(self) -> Identity:
         """Connect, and ask the unit who it is and how it is set; raises `InstrumentError`."""
         line = SerialLine(baud_rate=self._settings.baud_rate)
-        self._flow.attach(self._connect(self._resource, line, self._open_timeout_s))
+        self._flow.intake.attach(self._connect(self._resource, line, self._open_timeout_s))
         self._ask()
         self._fresh = True
         configuration = self._configuration
@@ -132,13 +132,16 @@ class SerialGyro:
 
     def recover(self) -> int:
         """Connect anew; returns the position on the grid at which sampling can go on."""
-        self._flow.detach()
-        before = self._device.serial_number
+        self._flow.intake.detach()
+        before = self._device
         self.open()
         self._fresh = False
-        if before is not None and self._device.serial_number not in (before, None):
+        found = self._device.serial_number
+        if found is None:
+            self._device = before
+        elif before.serial_number not in (found, None):
             raise InstrumentIdentityError(
-                f"{self._flow.who}: found serial number {self._device.serial_number}, expected {before}"
+                f"{self._flow.who}: found serial number {found}, expected {before.serial_number}"
                 " as before; connect that unit again"
             )
         return self._flow.position_to_go_on()
@@ -150,7 +153,7 @@ class SerialGyro:
     def close(self) -> None:
         """Disconnect; the unit goes on sending."""
         with contextlib.suppress(InstrumentError):
-            self._flow.detach()
+            self._flow.intake.detach()
 
     def _ask(self) -> None:
         """Who it is and how it is set, now: units and their settings may be changed between two records."""
@@ -171,10 +174,10 @@ class SerialGyro:
         self._check_serial_number()
 
     def _answer(self, question: Question) -> bytes | None:
-        self._flow.send(question.command)
+        self._flow.intake.send(question.command)
         data = b""
         for _ in range(_ANSWER_STEPS):
-            data += self._flow.raw(_ANSWER_STEP_S)
+            data += self._flow.intake.raw(_ANSWER_STEP_S)
             found = asking.answer(question, data, self.model)
             if found is not None:
                 return found

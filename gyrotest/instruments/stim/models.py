@@ -64,7 +64,6 @@ class Model:
         return frame.size + self.crc.size + (len(LINE_END) if crlf else 0)
 
 
-# One count for each mode, what it is given in, and whether it is to be divided by the sample's time.
 def rate_per_count_dps(mode: OutputMode, period_s: float) -> float:
     """The rate, deg/s, that one count stands for: an increment is the angle turned in one sample."""
     if mode is OutputMode.INCREMENTAL_ANGLE:
@@ -77,7 +76,6 @@ _TEMPERATURES = 7  # three values of two bytes, and their status
 _AUXILIARY = 4  # one value of three bytes, and its status
 _TRAILER = 3  # the counter, and the latency of two bytes
 
-_STIM300_PARTS = ("acceleration", "inclination", "temperature", "auxiliary", "pps")
 _STIM300_IDENTIFIERS = {
     (): 0x90,
     ("acceleration",): 0x91,
