@@ -406,7 +406,7 @@ def test_what_a_unit_does_not_say_is_not_known() -> None:
     [
         ({"rate_code": 1}, "its sample_rate is 250 Hz, the station says 125 Hz"),
         ({"mode": 1}, "its mode is incremental_angle, the station says rate"),
-        ({"mode": 3}, "its mode is code 3, the station says rate"),
+        ({"mode": 3}, "its mode is integrated_angle, the station says rate"),
         ({"crlf": True}, "its crlf is True, the station says False"),
     ],
 )

@@ -39,7 +39,10 @@ PART_NUMBER = Question(command=b"N\r", identifiers=(0xB1, 0xB3), size=16)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Configuration:
-    """How the unit is set, by its own words; None where its code has no meaning that we know."""
+    """How the unit is set, by its own words; None where its code has no meaning that we know.
+
+    `mode_as_set` may also be `integrated_angle`, which is no mode that is measured with.
+    """
 
     firmware: str
     sample_rate_hz: float | None
@@ -47,7 +50,7 @@ class Configuration:
     bandwidth_hz: float | None
     range_dps: float | None
     crlf: bool
-    mode_code: int
+    mode_as_set: str
 
 
 def answer(question: Question, data: bytes, model: Model) -> bytes | None:
@@ -98,17 +101,17 @@ def _printable(byte: int) -> str:
 
 def configuration(message: bytes) -> Configuration:
     """What the configuration datagram says of the gyros (TS1524 table 5-16)."""
-    # With three more than 8 on top the output is delayed, which changes neither scale nor meaning.
-    mode_code = message[5] & 0x0F
+    # Two more bits say that the output is delayed, which changes neither its scale nor its meaning.
+    mode_code = message[5] & 0x03
     filters = (message[6] >> 4 & 7, message[6] & 7, message[7] >> 4 & 7)
     bandwidths = [_BANDWIDTHS_HZ.get(code) for code in filters]
     known = [one for one in bandwidths if one is not None]
     return Configuration(
         firmware=f"{chr(message[1])}{message[2]}",
         sample_rate_hz=_SAMPLE_RATES_HZ.get(message[3] >> 5),
-        mode=_MODES.get(mode_code & 0x03),
+        mode=_MODES.get(mode_code),
         bandwidth_hz=min(known) if len(known) == len(filters) else None,
         range_dps=_RANGES_DPS.get(message[15] >> 4),
         crlf=bool(message[3] & 1),
-        mode_code=mode_code,
+        mode_as_set=_MODES[mode_code].value if mode_code in _MODES else "integrated_angle",
     )

@@ -199,7 +199,7 @@ class SerialGyro:
         ranges = (found.range_dps, self._settings.range.to("deg/s"))
         pairs = (
             ("sample_rate", found.sample_rate_hz, self._settings.sample_rate.to("Hz"), " Hz"),
-            ("mode", found.mode or f"code {found.mode_code}", self._settings.mode, ""),
+            ("mode", found.mode_as_set, self._settings.mode.value, ""),
             ("range", *ranges, " deg/s"),
             ("crlf", found.crlf, self._settings.crlf, ""),
         )
