@@ -14,6 +14,7 @@ from gyrotest.units import Dimension
 
 # Where the spec states no full scale: the output never saturates, and no rate is a large one.
 _NO_SATURATION = "1e12 deg/s"
+_UNLIMITED_DPS = 1e12
 # Of the full scale: what an output still shows.
 _HEADROOM = 1.25
 _FIGURES = {
@@ -81,7 +82,7 @@ def gyro_parameters(
         full_scale_dps=full_scale_dps,
         nonlinearity=values["nonlinearity"],
         asymmetry=values["asymmetry"],
-        saturation_dps=values["saturation"],
+        saturation_dps=(values["saturation"] if values["saturation"] < _UNLIMITED_DPS else math.inf),
         dead_zone_dps=values["dead_zone"],
         temperature_sensitivity_dps_per_c=values["temperature_sensitivity"],
         scale_factor_sensitivity_per_c=values["scale_factor_temperature_sensitivity"] * 1e-6,

@@ -1,5 +1,7 @@
 """A simulated unit in its slot, for one record."""
 
+import math
+
 from gyrotest.simulation.element import Element
 from gyrotest.simulation.occasion import Occasion
 from gyrotest.simulation.surroundings import Carriage, Surroundings
@@ -51,5 +53,8 @@ class Housed:
         for element in self.elements:
             prefix = f"{element.axis.name}." if element.axis.name else ""
             figures = element.truth(self.planned, self.begun_s, duration_s)
-            found |= {f"{prefix}{name}": value for name, value in figures.items()}
+            # What is without limit is left out: a model of which no full scale is stated.
+            found |= {
+                f"{prefix}{name}": value for name, value in figures.items() if math.isfinite(value)
+            }
         return found

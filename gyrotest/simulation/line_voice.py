@@ -85,12 +85,18 @@ class LineVoice:
         fields[board.counter] = "{counter}"
         return board.separator.join(fields.get(name, "0") for name in board.columns)
 
+    def _units(self) -> list[float]:
+        """What a number 1 stands for, of each axis; a single one is printed in whatever column."""
+        units = self._board.units
+        alone = next((value for name, value in units.items() if name != _TEMPERATURE), 1.0)
+        return [alone if name == "output" else units.get(name, 1.0) for name in self._names]
+
     def frames(self, sampled: Sampled, status: NDArray[np.uint8]) -> list[bytes]:
         """The samples, a line each."""
         board = self._board
         columns = {
-            name: (row / board.units.get(name, 1.0)).tolist()
-            for name, row in zip(self._names, sampled.outputs, strict=True)
+            name: (row / unit).tolist()
+            for name, unit, row in zip(self._names, self._units(), sampled.outputs, strict=True)
         }
         columns |= {
             "counter": (sampled.number * board.step % board.modulus).tolist(),

@@ -1,5 +1,6 @@
 """What a simulated gyro makes of an input rate, without noise: the check on what procedures find."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -40,8 +41,8 @@ def response_of(truth: Mapping[str, float], axis: str = "") -> Response:
     return Response(
         scale_factor=truth[f"{prefix}scale_factor"],
         zero_rate=truth[f"{prefix}zero_rate"],
-        full_scale_dps=truth[f"{prefix}full_scale_dps"],
+        full_scale_dps=truth.get(f"{prefix}full_scale_dps", math.inf),
         nonlinearity=truth[f"{prefix}nonlinearity"],
         asymmetry=truth[f"{prefix}asymmetry"],
-        saturation_dps=truth[f"{prefix}saturation_dps"],
+        saturation_dps=truth.get(f"{prefix}saturation_dps", math.inf),
     )
