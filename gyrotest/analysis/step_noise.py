@@ -19,6 +19,8 @@ SHORTEST_STEP = 16
 
 _Array = NDArray[np.float64]
 _Integral = Callable[[_Array], _Array]
+_WHITE, _WALK = 1, 3
+_RESOLVED = 2.0
 _ROUNDS = 60
 _SAME = 1e-9
 _PRUDENCE = np.array([0.0, 0.0, 0.1, 0.02])
@@ -149,21 +151,36 @@ def _differences(like: LikeSteps) -> _Array:
 
 
 def _fitted(power: _Array, columns: _Array) -> StepNoise:
-    from scipy.optimize import nnls
-
+    """Fit the squares; a random walk that is not resolved is taken for none, but for the prudent share of it."""
     scale = columns.mean(axis=0) / power.mean()
     scaled = columns / scale
-    squares = np.array([0.0, 1.0, 0.0, 0.0])
+    squares = _squares(power, scaled)
+    if squares[_WALK] < _RESOLVED * np.sqrt(_covariance(scaled, squares)[_WALK, _WALK]):
+        squares = np.append(_squares(power, scaled[:, :_WALK]), 0.0)
+    covariance = _covariance(scaled, squares)
+    return StepNoise(squares=squares / scale, covariance=covariance / np.outer(scale, scale))
+
+
+def _squares(power: _Array, columns: _Array) -> _Array:
+    from scipy.optimize import nnls
+
+    squares: _Array = np.zeros(columns.shape[1])
+    squares[_WHITE] = 1.0
     for _ in range(_ROUNDS):
-        weight = 1.0 / (scaled @ squares)
-        found, _ = nnls(scaled * weight[:, np.newaxis], power * weight)
+        weight = 1.0 / (columns @ squares)
+        found, _ = nnls(columns * weight[:, np.newaxis], power * weight)
         change = float(np.abs(found - squares).max())
         squares = 0.5 * (squares + found)
         if change <= _SAME * float(squares.max()):
             break
-    weighted = scaled / (scaled @ squares)[:, np.newaxis]
-    covariance = 2.0 * np.linalg.pinv(weighted.T @ weighted, rcond=1e-12)
-    return StepNoise(squares=squares / scale, covariance=covariance / np.outer(scale, scale))
+    return squares
+
+
+def _covariance(columns: _Array, squares: _Array) -> _Array:
+    """Return the inverse of the Fisher information: a squared mode has the variance 2·(its mean)²."""
+    weighted = columns / (columns @ squares)[:, np.newaxis]
+    covariance: _Array = 2.0 * np.linalg.pinv(weighted.T @ weighted, rcond=1e-12)
+    return covariance
 
 
 def _window_means(twice_integrated: _Integral, begins: _Array, durations: _Array) -> _Array:
