@@ -7,7 +7,7 @@ from gyrotest.acquisition.progress import Progress
 from gyrotest.acquisition.stimulation import Stimulation
 from gyrotest.acquisition.tracks import Track, Tracks
 from gyrotest.errors import AcquisitionError, InstrumentError, OverloadError
-from gyrotest.ports import Clock, Source
+from gyrotest.ports import Clock, Playback, Source
 from gyrotest.records.plan import Plan, Step
 from gyrotest.records.recording import Block, Dwell, Gap, Recording
 
@@ -102,8 +102,13 @@ class Acquisition:
             plausibility.push(block)
             self.stimulation.watch()
             faults = 0
-        if self._next < step.samples:
+        lost = step.samples - self._next
+        if lost and (self.allowed_loss is None or isinstance(self.source, Playback)):
             raise AcquisitionError(self._ended_early(step))
+        if lost:
+            self._missing += lost
+            self._note(f"the last {lost} samples of the step were lost on the way")
+            self._refuse_loss()
 
     def _ended_early(self, step: Step) -> str:
         interval_s = self.plan.interval_s

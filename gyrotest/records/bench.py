@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 from gyrotest.records.spec import OutputMode
 
+_NO_PART = "00000-000000"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Device:
@@ -15,6 +17,11 @@ class Device:
     range_dps: float | None = None
     bandwidth_hz: float | None = None
     sample_rate_hz: float | None = None
+
+    @property
+    def simulated(self) -> bool:
+        """Whether it says that it is simulated: a serial number of digits cannot, a part number of zeros does."""
+        return self.part_number is not None and self.part_number.startswith(_NO_PART)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

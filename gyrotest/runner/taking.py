@@ -88,12 +88,15 @@ class Taking:
             opened, [one.slot for one in self._parts], self._planned.plan.interval_s, output.axes
         )
         if isinstance(opened.source, DigitalGyro):
+            device = opened.source.device()
             check_device(
-                opened.source.device(),
+                device,
                 who=opened.use.resource,
                 serial_number=self._first.run.header.serial_number,
                 output=output,
             )
+            if device.simulated:
+                self._first.attempt = replace(self._first.attempt, origin=Origin.SIMULATED)
         return shares
 
     def _make_ready(self, opened: OpenSource, sampling: Sampling) -> None:

@@ -8,8 +8,8 @@ from gyrotest.records.spec import OutputMode
 from gyrotest.simulation.stim_frames import LINE_END, Part, StimModel
 
 _DIGITS = 14
-_RATES_HZ = (125.0, 250.0, 500.0, 1000.0, 2000.0)
-_FILTERS_HZ = (16.0, 33.0, 66.0, 131.0, 262.0)
+RATES_HZ = (125.0, 250.0, 500.0, 1000.0, 2000.0)
+FILTERS_HZ = (16.0, 33.0, 66.0, 131.0, 262.0)
 _BIT_RATES = (374_400, 460_800, 921_600, 1_843_200)
 _USER_DEFINED = 15
 _MODES = (OutputMode.RATE, OutputMode.INCREMENTAL_ANGLE, OutputMode.AVERAGE_RATE)
@@ -22,7 +22,8 @@ _PART_BITS = {
 }
 _ALL_GYROS = 0x70
 _REVISION, _FIRMWARE = b"G", 15
-_PART_NUMBER = bytes.fromhex("084420") + b"-" + bytes.fromhex("440000") + b"-" + bytes(6) + b"L"
+# No unit is made with a part number of zeros: it tells that this one is simulated, as digits can.
+_PART_NUMBER = bytes(3) + b"-" + bytes(3) + b"-" + bytes(6) + b"L"
 
 
 class Subject(Enum):
@@ -64,9 +65,9 @@ def digits(serial_number: str) -> str:
 
 def _configuration(model: StimModel, setup: Setup) -> bytes:
     parts = sum(_PART_BITS.get(one, 0) for one in model.kinds[setup.identifier])
-    rate = _RATES_HZ.index(setup.rate_hz) << 5
-    nearest = min(_FILTERS_HZ, key=lambda one: abs(one - setup.bandwidth_hz))
-    filters = _FILTERS_HZ.index(nearest)
+    rate = RATES_HZ.index(setup.rate_hz) << 5
+    nearest = min(FILTERS_HZ, key=lambda one: abs(one - setup.bandwidth_hz))
+    filters = FILTERS_HZ.index(nearest)
     known = setup.baud_rate in _BIT_RATES
     bit_rate = _BIT_RATES.index(setup.baud_rate) if known else _USER_DEFINED
     return (

@@ -391,14 +391,14 @@ def test_a_unit_says_who_it_is_and_how_it_is_set() -> None:
     )
 
 
-def test_what_a_unit_does_not_say_is_not_known() -> None:
+def test_of_a_unit_that_does_not_answer_the_stations_words_stand() -> None:
     clock = VirtualClock()
     with unit(clock, frame) as served:
         source = gyro(served, clock, ask=True)
         identity = source.open()
         source.configure(0.008)
     assert identity.serial_number == ""
-    assert source.device() == Device()
+    assert source.device() == Device(mode=OutputMode.RATE, range_dps=400.0)
 
 
 @pytest.mark.parametrize(

@@ -70,7 +70,7 @@ class SerialGyro:
             clock=clock,
             io_timeout_s=self._io_timeout_s,
         )
-        self._device = Device()
+        self._device = Device(mode=settings.mode, range_dps=settings.range.to("deg/s"))
         self._configuration: Configuration | None = None
         self._fresh = False
 
@@ -89,7 +89,7 @@ class SerialGyro:
         )
 
     def device(self) -> Device:
-        """What the unit says of itself; None what it did not say."""
+        """What the unit says of itself, and where it does not answer what the station says of its setting."""
         return self._device
 
     def configure(self, interval_s: float) -> Sampling:
@@ -166,8 +166,8 @@ class SerialGyro:
         self._device = Device(
             serial_number=asking.serial_number(serial) if serial else None,
             part_number=asking.part_number(part) if part else None,
-            mode=found.mode if found else None,
-            range_dps=found.range_dps if found else None,
+            mode=found.mode if found else self._settings.mode,
+            range_dps=found.range_dps if found else self._settings.range.to("deg/s"),
             bandwidth_hz=found.bandwidth_hz if found else None,
             sample_rate_hz=found.sample_rate_hz if found else None,
         )

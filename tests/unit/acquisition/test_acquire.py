@@ -290,3 +290,28 @@ def test_no_sample_waits_for_something_to_be_loaded(tmp_path: Path) -> None:
         check=True,
     )
     assert ended.stdout.strip() == "['0000.arrows'] []"
+
+
+def _ending_early(
+    clock: VirtualClock, end: int, folder: Path, allowed_loss: float | None
+) -> Acquisition:
+    acquisition = _acquisition(folder, clock, Bench(clock, end=end))
+    acquisition.allowed_loss = allowed_loss
+    return acquisition
+
+
+def test_samples_lost_at_the_very_end_count_against_the_allowance(
+    tmp_path: Path, clock: VirtualClock
+) -> None:
+    acquisition = _ending_early(clock, SAMPLES - 1, tmp_path, 0.01)
+    (recording,) = acquisition.run()
+    assert recording.complete
+    assert recording.samples == SAMPLES - 1
+    assert "the last 1 samples of the step were lost" in acquisition.events[0]
+
+
+def test_more_samples_lost_than_allowed_end_the_acquisition(tmp_path: Path, clock: VirtualClock) -> None:
+    acquisition = _ending_early(clock, SAMPLES - 2, tmp_path, 0.01)
+    with pytest.raises(AcquisitionError, match=r"2 samples are lost, of 100 10000 ppm are allowed"):
+        acquisition.run()
+    assert acquisition.recordings[0].samples == SAMPLES - 2

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from gyrotest.errors import InsufficientDataError
-from gyrotest.procedures.dwells import DwellRecord, OutlierRule, dwell_records, noise_of
+from gyrotest.procedures.dwells import DwellRecord, dwell_records, noise_of
+from gyrotest.procedures.outlier_rule import OutlierRule
 from gyrotest.procedures.rails import rail_of
 from gyrotest.records.recording import Gap, SampleFlag, Samples
 from gyrotest.units import Quantity

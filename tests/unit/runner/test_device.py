@@ -47,3 +47,13 @@ def test_all_that_is_wrong_is_told_at_once() -> None:
     with pytest.raises(InstrumentIdentityError) as refused:
         _check(Device(serial_number="1", range_dps=1.0, bandwidth_hz=1.0))
     assert str(refused.value).count("; ") == 2
+
+
+@pytest.mark.parametrize(
+    ("part_number", "simulated"),
+    [(None, False), ("84420-440000-100L", False), ("00000-000000-0000L", True)],
+)
+def test_a_part_number_of_zeros_says_that_a_unit_is_simulated(
+    part_number: str | None, simulated: bool
+) -> None:
+    assert Device(part_number=part_number).simulated is simulated

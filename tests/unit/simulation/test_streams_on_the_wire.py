@@ -208,7 +208,7 @@ def test_a_question_is_answered_between_frames(
             data += line.read(1)
             if len(data) % SIZE:
                 break
-        place = data.index(bytes([identifier]) + (b"N" if letter == b"I" else b"\x08"))
+        place = data.index(bytes([identifier]) + (b"N" if letter == b"I" else b"\x00\x00\x00-"))
         said = data[place : place + size]
         assert said[-1:] == STIM210_CHECKSUM.of(said[:-1])
         if letter == b"I":
