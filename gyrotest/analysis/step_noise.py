@@ -170,7 +170,7 @@ def _squares(power: _Array, columns: _Array) -> _Array:
         weight = 1.0 / (columns @ squares)
         found, _ = nnls(columns * weight[:, np.newaxis], power * weight)
         change = float(np.abs(found - squares).max())
-        squares = 0.5 * (squares + found)
+        squares = np.asarray(0.5 * (squares + found), dtype=np.float64)
         if change <= _SAME * float(squares.max()):
             break
     return squares
@@ -179,8 +179,8 @@ def _squares(power: _Array, columns: _Array) -> _Array:
 def _covariance(columns: _Array, squares: _Array) -> _Array:
     """Return the inverse of the Fisher information: a squared mode has the variance 2·(its mean)²."""
     weighted = columns / (columns @ squares)[:, np.newaxis]
-    covariance: _Array = 2.0 * np.linalg.pinv(weighted.T @ weighted, rcond=1e-12)
-    return covariance
+    inverse = np.linalg.pinv(weighted.T @ weighted, rcond=1e-12)
+    return np.asarray(2.0 * inverse, dtype=np.float64)
 
 
 def _window_means(twice_integrated: _Integral, begins: _Array, durations: _Array) -> _Array:

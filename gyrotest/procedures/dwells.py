@@ -1,66 +1,26 @@
 """The dwells of a recording: the samples of each, checked, outliers counted, and their mean."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.analysis.noise_terms import Grid
-from gyrotest.analysis.outliers import inside_window, median_deviation, near_median
+from gyrotest.analysis.outliers import median_deviation
 from gyrotest.analysis.step_noise import LikeSteps, StepNoise, step_noise
 from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.dwell_checks import Cut, refuse_unfit, step_words
+from gyrotest.procedures.outlier_rule import OutlierRule
 from gyrotest.procedures.rails import rail_of
 from gyrotest.procedures.scaling import Scaling, output_scaling
-from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
-from gyrotest.records.recording import Dwell, SampleFlag, Samples, Sampling
-from gyrotest.units import Dimension, Quantity, printed_unit, same_dimension
+from gyrotest.records.recording import Dwell, Samples, Sampling
 
 MOST_DROPPED = 0.01
 """Share of a dwell's samples beyond which outliers are no outliers any more; a single one always is."""
 
-FEWEST_PRESENT = 0.5
-"""Share of a dwell's samples that are needed: what was lost on the way does not bias a mean."""
-
-_MINUS = "\N{MINUS SIGN}"
 _MAD_OF_NORMAL = 0.6745
 _BLUR_SIGMAS, _LEAST_BLUR, _MOST_BLUR = 6.0, 0.1, 0.5
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OutlierRule:
-    """Which samples of a dwell count: within `window` of its rate (of it, or in °/s), else near their median.
-
-    A window in proportion to the rate says nothing of a dwell at rest; there the median serves.
-    """
-
-    window: Quantity | None = None
-    mads: float = 7.5
-
-    def kept(
-        self, rate_dps: NDArray[np.float64], demanded_dps: float | None, *, usual_dps: float = 0.0
-    ) -> NDArray[np.bool_]:
-        """Return which samples (n,) are kept; `usual_dps`: the median absolute deviation of all dwells."""
-        half_dps = self.half_width_dps(demanded_dps)
-        if half_dps is None or demanded_dps is None:
-            return near_median(rate_dps, mads=self.mads, least_deviation=usual_dps)
-        return inside_window(rate_dps, centre=demanded_dps, half_width=half_dps)
-
-    def half_width_dps(self, demanded_dps: float | None) -> float | None:
-        """Return the window's half-width, °/s; None where the median serves."""
-        if self.window is None or demanded_dps is None:
-            return None
-        if same_dimension(self.window.unit, Dimension.RATE):
-            return self.window.to("deg/s")
-        return self.window.to("") * abs(demanded_dps) or None
-
-    def spoken(self, demanded_dps: float | None) -> str:
-        """Return the rule in words."""
-        half_dps = self.half_width_dps(demanded_dps)
-        if half_dps is None:
-            return f"within {self.mads:g} median absolute deviations of the median"
-        return f"within {plain(half_dps, 4)} °/s of the rate"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +46,7 @@ class DwellRecord:
     @property
     def name(self) -> str:
         """The step's name, and the rate that was asked for."""
-        return _named(self.dwell)
+        return step_words(self.dwell)
 
     @property
     def rate_dps(self) -> float:
@@ -139,7 +99,7 @@ def dwell_records(
     cuts = [_cut(samples, places, dwell) for dwell in context.dwells]
     blur = _blur(cuts)
     for cut in cuts:
-        _refuse_unfit(cut, context, blur, may_saturate=may_saturate)
+        refuse_unfit(cut, context, blur, may_saturate=may_saturate)
     readings = [cut.only(~cut.overloaded) for cut in cuts]
     deviations = [median_deviation(one.values) for one in readings if one.values.size]
     usual_dps = scaling.spread_dps(float(np.median(deviations))) if deviations else 0.0
@@ -177,32 +137,9 @@ def sample_places(samples: Samples, context: Context) -> NDArray[np.int64]:
     return places
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Cut:
-    """A dwell's samples as they were recorded, and their positions on the grid."""
-
-    dwell: Dwell
-    sampling: Sampling
-    values: NDArray[np.float64]
-    flags: NDArray[np.uint8]
-    places: NDArray[np.int64]
-
-    @property
-    def overloaded(self) -> NDArray[np.bool_]:
-        overloaded: NDArray[np.bool_] = (self.flags & np.uint8(SampleFlag.OVERLOAD)) != 0
-        return overloaded
-
-    def only(self, chosen: NDArray[np.bool_]) -> "_Cut":
-        if chosen.all():
-            return self
-        return replace(
-            self, values=self.values[chosen], flags=self.flags[chosen], places=self.places[chosen]
-        )
-
-
-def _cut(samples: Samples, places: NDArray[np.int64], dwell: Dwell) -> _Cut:
+def _cut(samples: Samples, places: NDArray[np.int64], dwell: Dwell) -> Cut:
     start, stop = np.searchsorted(places, (dwell.first, dwell.first + dwell.samples))
-    return _Cut(
+    return Cut(
         dwell=dwell,
         sampling=samples.sampling,
         values=samples.values[start:stop, 0],
@@ -220,7 +157,7 @@ class _Choice:
     blur: float
 
 
-def _blur(cuts: list[_Cut]) -> float:
+def _blur(cuts: list[Cut]) -> float:
     """Return how wide the noise of what reads the output makes a limit of it, in the indication's unit.
 
     No more than half the noise at rest, where the output is certainly none; at least a tenth of it.
@@ -234,17 +171,7 @@ def _blur(cuts: list[_Cut]) -> float:
     return min(max(own, _LEAST_BLUR * usual), _MOST_BLUR * usual)
 
 
-def _refuse_unfit(cut: _Cut, context: Context, blur: float, *, may_saturate: bool) -> None:
-    """Refuse too few samples, bad ones, and, unless they may, saturated ones."""
-    _refuse_few(cut)
-    readings = cut.only(~cut.overloaded)
-    _refuse_bad(readings)
-    if not may_saturate:
-        railed = readings.values[rail_of(readings.values, blur=blur)]
-        _refuse_saturated(cut, railed, context)
-
-
-def _record(cut: _Cut, readings: _Cut, scaling: Scaling, choice: _Choice) -> DwellRecord:
+def _record(cut: Cut, readings: Cut, scaling: Scaling, choice: _Choice) -> DwellRecord:
     """Take the outliers out; an overload's value is no reading and does not count."""
     railed = rail_of(readings.values, blur=choice.blur)
     chosen = readings
@@ -263,79 +190,20 @@ def _record(cut: _Cut, readings: _Cut, scaling: Scaling, choice: _Choice) -> Dwe
     )
 
 
-def _kept(readings: _Cut, scaling: Scaling, choice: _Choice) -> NDArray[np.bool_]:
+def _kept(readings: Cut, scaling: Scaling, choice: _Choice) -> NDArray[np.bool_]:
     rate_dps, demanded_dps = scaling.rates_dps(readings.values), readings.dwell.rate_dps
     kept = choice.rule.kept(rate_dps, demanded_dps, usual_dps=choice.usual_dps)
     dropped = int(rate_dps.size - kept.sum())
     if dropped > max(MOST_DROPPED * rate_dps.size, 1.0):
         raise InsufficientDataError(
-            f"{_named(readings.dwell)}: {dropped} of {rate_dps.size} samples are not"
+            f"{step_words(readings.dwell)}: {dropped} of {rate_dps.size} samples are not"
             f" {choice.rule.spoken(demanded_dps)} (at most {MOST_DROPPED:.0%} may be dropped after settling):"
             " settle longer, or correct the rule"
         )
     return kept
 
 
-def _middle_s(cut: _Cut) -> float:
+def _middle_s(cut: Cut) -> float:
     interval_s = cut.sampling.interval_s
     places = cut.places if cut.places.size else np.array([cut.dwell.first + cut.dwell.samples // 2])
     return cut.dwell.began_s + (float((places - cut.dwell.first).mean()) + 0.5) * interval_s
-
-
-def _named(dwell: Dwell) -> str:
-    name = f"step '{dwell.name}'" if dwell.name else "step"
-    if dwell.rate_dps is None:
-        return name
-    return f"{name} at {plain(dwell.rate_dps, 6)} °/s".replace("-", _MINUS)
-
-
-def _refuse_few(cut: _Cut) -> None:
-    count, planned = cut.values.size, cut.dwell.samples
-    if count < max(FEWEST_PRESENT * planned, 2):
-        raise InsufficientDataError(
-            f"{_named(cut.dwell)}: {count} of {planned} samples are there, the others are missing;"
-            " its mean needs at least half of them"
-        )
-
-
-def _refuse_bad(readings: _Cut) -> None:
-    """Refuse what is flagged otherwise than as an overload, or is no number."""
-    bad = (readings.flags != 0) | ~np.isfinite(readings.values)
-    if bad.any():
-        first = int(np.flatnonzero(bad)[0])
-        kinds = ", ".join(_kinds(int(readings.flags[first]))) or "no number"
-        raise InsufficientDataError(
-            f"{_named(readings.dwell)}: {int(bad.sum())} of {bad.size} samples are bad, the first of them"
-            f" sample {int(readings.places[first])} ({kinds}); a mean needs every sample"
-        )
-
-
-def _kinds(flags: int) -> Iterator[str]:
-    for flag in SampleFlag:
-        if flags & flag:
-            yield str(flag.name).lower().replace("_", " ")
-
-
-def _refuse_saturated(cut: _Cut, railed: NDArray[np.float64], context: Context) -> None:
-    overloaded = int(cut.overloaded.sum())
-    if overloaded:
-        found = f"{overloaded} of {cut.values.size} samples are overloads"
-    elif railed.size:
-        found = (
-            f"{railed.size} of {cut.values.size} samples read"
-            f" {_spoken(railed, cut.sampling)}: the output stands at its limit, or is stuck"
-        )
-    else:
-        return
-    full_scale = context.output.full_scale
-    scale = (
-        "full scale is not stated in the spec" if full_scale is None else f"full scale is {full_scale}"
-    )
-    raise InsufficientDataError(
-        f"{_named(cut.dwell)}: {found} ({scale}); leave such a rate out, or correct the range"
-    )
-
-
-def _spoken(railed: NDArray[np.float64], sampling: Sampling) -> str:
-    ends = [plain(float(one), 5) for one in (railed.min(), railed.max())]
-    return f"{' or '.join(dict.fromkeys(ends))} {printed_unit(sampling.unit)}".replace("-", _MINUS)

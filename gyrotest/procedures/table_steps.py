@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from gyrotest.analysis.resolution import digital_step, mean_half_width
 from gyrotest.analysis.step_noise import SHORTEST_STEP
-from gyrotest.procedures.dwells import DwellRecord, OutlierRule
+from gyrotest.procedures.dwells import DwellRecord
+from gyrotest.procedures.outlier_rule import OutlierRule
 from gyrotest.procedures.scaling import nominal_complaints
 from gyrotest.records.described import Described
 from gyrotest.records.plan import Context, Step, Turning

@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from gyrotest.analysis.earth import EARTH_RATE_DPS
 from gyrotest.procedures.compensation.coefficients import Coefficients
-from gyrotest.procedures.dwells import DwellRecord, OutlierRule, dwell_records, noise_of
+from gyrotest.procedures.dwells import DwellRecord, dwell_records, noise_of
 from gyrotest.procedures.earth import earth_share
+from gyrotest.procedures.outlier_rule import OutlierRule
 from gyrotest.procedures.table_steps import rounding_covariance
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import Samples
