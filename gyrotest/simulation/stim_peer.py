@@ -18,13 +18,19 @@ from gyrotest.simulation.outlet import Outlet
 from gyrotest.simulation.peer import Making
 from gyrotest.simulation.sampled import Sampled
 from gyrotest.simulation.scenarios import Misbehaviour
-from gyrotest.simulation.stim_datagrams import Setup, Subject, datagram, digits
+from gyrotest.simulation.stim_datagrams import (
+    FILTERS_HZ,
+    RATES_HZ,
+    Setup,
+    Subject,
+    datagram,
+    digits,
+)
 from gyrotest.simulation.stim_frames import STIM210, STIM300, Content, FramePacker, StimModel
 from gyrotest.units import Dimension
 
 _TICKS_HZ = 2000.0
 _COUNTER = 256
-_RATES_HZ = (125.0, 250.0, 500.0, 1000.0, 2000.0)
 _RATE_COUNTS = 2.0**14
 _ANGLE_COUNTS = 2.0**21
 _AXES = ("x", "y", "z")
@@ -156,8 +162,8 @@ def _described(station: Station, name: str) -> tuple[StimModel, Setup, int]:
     identifier = _identifier(model, given.get("frame", 0x90), f"{key}.frame", faults)
     mode = _mode(given.get("mode", "rate"), f"{key}.mode", faults)
     rate_hz = figures.values.get("sample_rate", 0.0)
-    if rate_hz not in _RATES_HZ and "sample_rate" in figures.values:
-        known = ", ".join(f"{one:g} Hz" for one in _RATES_HZ)
+    if rate_hz not in RATES_HZ and "sample_rate" in figures.values:
+        known = ", ".join(f"{one:g} Hz" for one in RATES_HZ)
         faults.append(fault(f"{key}.sample_rate", f"'{rate_hz:g} Hz' is none of {known}"))
     latency_s = figures.values.get("latency", 0.0)
     if latency_s > _WIRE_S:
@@ -169,7 +175,7 @@ def _described(station: Station, name: str) -> tuple[StimModel, Setup, int]:
         rate_hz=rate_hz,
         mode=mode,
         crlf=given.get("crlf") is True,
-        bandwidth_hz=_RATES_HZ[0],
+        bandwidth_hz=FILTERS_HZ[-1],
         baud_rate=int(given.get("baud_rate", 460_800)),
     )
     return model, setup, round(latency_s * 1e6)
