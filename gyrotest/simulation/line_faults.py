@@ -18,7 +18,20 @@ _MOST_NOISE = 40
 # Of what is sent at another baud rate so many bytes arrive, and none as it was sent.
 _SHARE_AT_OTHER_RATE = 0.4
 
-_STATUS = {Misbehaviour.OVERLOAD_STATUS: 0x11, Misbehaviour.CHANNEL_ERROR: 0x09}
+# Bits of the status byte, with that of the first axis. What leaves a meter's range leaves a unit's own.
+_STATUS = {
+    Misbehaviour.OVERLOAD_STATUS: 0x11,
+    Misbehaviour.RAIL: 0x11,
+    Misbehaviour.CHANNEL_ERROR: 0x09,
+}
+_OF_LINES = {
+    *_STATUS,
+    Misbehaviour.LOST_FRAMES,
+    Misbehaviour.LOST_COUNTER_PERIOD,
+    Misbehaviour.BAD_CRC,
+    Misbehaviour.LINE_NOISE,
+    Misbehaviour.UNPLUGGED,
+}
 
 
 class LineFaults:
@@ -26,7 +39,7 @@ class LineFaults:
 
     def __init__(self, scenario: Scenario, housed: Housed, *, seed: int, period: int) -> None:
         occasion = housed.occasion
-        self._strikes = scenario.strikes
+        self._strikes = tuple(one for one in scenario.strikes if one.misbehaviour in _OF_LINES)
         self._begun_s, self._duration_s = housed.begun_s, occasion.duration_s
         self._random = generator(seed, "line", *occasion.stream)
         self._period = period

@@ -82,6 +82,7 @@ class Line:
 
     def __init__(self, address: str) -> None:
         self._socket: socket.socket | None = None
+        self._file = -1
         if address.startswith("TCPIP"):
             self._socket = socket.create_connection(("127.0.0.1", int(address.split("::")[2])), 5.0)
             self._socket.setblocking(False)
@@ -110,8 +111,9 @@ class Line:
     def close(self) -> None:
         if self._socket is not None:
             self._socket.close()
-        else:
+        elif self._file >= 0:
             os.close(self._file)
+            self._file = -1
 
 
 @contextlib.contextmanager
@@ -356,11 +358,29 @@ def test_at_another_baud_rate_there_is_garbage_only() -> None:
     assert len(set(data)) == 256
 
 
-@pytest.mark.parametrize(("scenario", "status"), [("overload-status", 0x11), ("channel-error", 0x09)])
-def test_the_status_tells_of_a_fault_for_a_while(scenario: str, status: int) -> None:
+@pytest.mark.parametrize(
+    ("scenario", "status", "count"),
+    [("overload-status", 0x11, 10), ("channel-error", 0x09, 10), ("overload", 0x11, 20)],
+)
+def test_the_status_tells_of_a_fault_for_a_while(scenario: str, status: int, count: int) -> None:
     told = frames(received(scenario))[:, 10]
     assert sorted(set(told.tolist())) == [0, status]
-    assert (told > 0).sum() == 10
+    assert (told > 0).sum() == count
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_reader_that_comes_back_gets_what_is_sent_from_then_on(way: str) -> None:
+    with bench(station(way)) as (served, line):
+        begin(served)
+        advance(served, 1.0)
+        first = frames(line.read(125 * SIZE))
+        line.close()
+        again = Line(served.address("gyro"))
+        advance(served, 0.0)
+        advance(served, 1.0)
+        second = frames(again.read(125 * SIZE))
+        again.close()
+    assert (int(second[0, 11]) - int(first[-1, 11])) % 256 == 16
 
 
 @pytest.mark.parametrize("way", WAYS)
