@@ -14,7 +14,7 @@ from gyrotest.procedures.bias_reversal.parameters import BiasReversalParameters
 from gyrotest.procedures.dwells import DwellRecord, dwell_records, noise_of
 from gyrotest.procedures.earth import earth_share, earth_words, of_earth
 from gyrotest.procedures.meter import meter_contributions, missing_of_meter
-from gyrotest.procedures.table_steps import rounding_covariance, since_power_on_s
+from gyrotest.procedures.table_steps import rounding_covariance
 from gyrotest.procedures.uncertainty import by_statistics, expanded, rectangular
 from gyrotest.procedures.wording import plain, rate_text
 from gyrotest.records.plan import Context
@@ -55,10 +55,12 @@ def measured_reversal(samples: Samples, context: Context) -> Reversal:
             f"{context.case_name}: a reversal needs one turn forward and one backward"
         )
     half = Linear(value=0.5 * (records[0].mean + records[1].mean), weights=np.array([0.5, 0.5]))
+    # Two turns are too short to tell how far the bias has walked since power-on; for as long as they
+    # last themselves they can.
     covariances = mean_covariances(
         np.array([one.begin_s for one in records]),
         np.array([one.duration_s for one in records]),
-        since_s=since_power_on_s(context) + records[0].begin_s,
+        since_s=records[1].begin_s + records[1].duration_s - records[0].begin_s,
     )
     return Reversal(
         forward=records[0],
@@ -118,13 +120,16 @@ def _indication(reversal: Reversal) -> float:
 
 def _of_asymmetry(reversal: Reversal) -> Iterator[Contribution]:
     """Give α·ω/2, which a reversal does not tell from a bias (S3.5)."""
-    if reversal.slope.asymmetry is not None:
+    asymmetry = reversal.slope.asymmetry
+    if asymmetry is not None:
         half_rate = abs(reversal.rate_dps) / 2.0
-        yield rectangular(
-            "scale-factor asymmetry",
-            f"{plain(reversal.slope.asymmetry * 1e6, 3)} ppm",
-            rate_text(half_rate, 3),
-            reversal.slope.asymmetry * half_rate,
+        yield Contribution(
+            source="scale-factor asymmetry",
+            kind="B",
+            distribution=asymmetry.distribution,
+            half_width=asymmetry.stated,
+            sensitivity=rate_text(half_rate, 3),
+            standard_uncertainty=asymmetry.standard * half_rate,
         )
 
 
@@ -145,5 +150,3 @@ def _missing(reversal: Reversal, context: Context) -> Iterator[str]:
     if reversal.slope.relative is None:
         yield "uncertainty of the scale factor"
     yield from missing_of_meter(context, reversal.forward.sampling)
-    if context.since_power_on_s is None:
-        yield "drift before the record (time of power-on not known)"

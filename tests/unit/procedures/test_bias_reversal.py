@@ -81,7 +81,8 @@ def test_scale_factor_and_asymmetry_may_come_from_an_earlier_case() -> None:
     found = bias(unit, parameters={"scale_factor_from": "line"}, earlier=earlier())
     assert found.value == pytest.approx(0.3, abs=1e-5)
     assert "scale factor from case 'line'" in found.condition
-    assert lines(found)["scale-factor asymmetry"] == pytest.approx(100e-6 * 20.0 / math.sqrt(3.0))
+    standard = math.hypot(80e-6, 20e-6 / 1.96)  # its sign is not used: all of it counts
+    assert lines(found)["scale-factor asymmetry"] == pytest.approx(standard * 20.0)
     assert lines(found)["scale factor from case 'line'"] == pytest.approx(
         0.001 / 50.1 * (0.3 + 11.2 / 3600.0), rel=1e-2
     )
