@@ -64,6 +64,8 @@ def _paper(figure: Figure) -> tuple[Paper, list["Axes"]]:
 
 
 def _draw_panel(axes: "Axes", panel: Panel) -> None:
+    if panel.y_range is not None:
+        axes.set_ylim(*panel.y_range)
     for band in panel.bands:
         _draw_band(axes, band)
     if panel.bars:

@@ -93,12 +93,16 @@ class Bars:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Panel:
-    """One pair of axes; with `legend` the names of data curves stand together, each with its line."""
+    """One pair of axes; with `legend` the names of data curves stand together, each with its line.
+
+    `y_range` are the ends of the y axis, where panels are to be compared (None: as the data ask).
+    """
 
     y_label: str
     x_label: str = ""
     x_scale: Scale = Scale.LINEAR
     y_scale: Scale = Scale.LINEAR
+    y_range: tuple[float, float] | None = None
     height: float = 1.0
     curves: tuple[Curve, ...] = ()
     bands: tuple[Band, ...] = ()

@@ -3,6 +3,7 @@
 from gyrotest.procedures.rest.record import RestRecord
 from gyrotest.procedures.static.allan_figure import allan_figure
 from gyrotest.procedures.static.noise_results import NoiseAnalysis
+from gyrotest.procedures.static.smoothing_figures import smoothing_figures
 from gyrotest.procedures.static.time_figures import histogram_figure, record_figure
 from gyrotest.records.figure import Figure
 from gyrotest.records.plan import Context
@@ -16,5 +17,6 @@ def static_figures(
     return (
         record_figure(record),
         histogram_figure(record),
+        *smoothing_figures(record, context.parameters, results),
         allan_figure(record, noise, results, context),
     )

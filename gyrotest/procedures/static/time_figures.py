@@ -1,17 +1,16 @@
 """The record over time as a min–max band with its means, and the histogram of its residuals."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.procedures.drawn_units import Unit, rate_unit, time_unit
 from gyrotest.procedures.rest.record import RestRecord
+from gyrotest.procedures.static.bins import MOST_BINS, Bins, binned, drawn
 from gyrotest.procedures.wording import engineering, plain
 from gyrotest.records.figure import Band, Bars, Curve, Figure, Panel, Role, Width
 
-_MOST_BINS = 900
 _MEAN_S = 60.0
 _HISTOGRAM_BINS = 36
 _MEANS_HEIGHT = 0.7
@@ -19,19 +18,9 @@ _HISTOGRAM_HEIGHT = 1.79  # that of the record's panels and the space between th
 _BLOCK = 65536
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Bins:
-    """Lowest, highest and mean rate of consecutive runs of samples."""
-
-    size: int
-    lowest: NDArray[np.float64]
-    highest: NDArray[np.float64]
-    mean: NDArray[np.float64]
-
-
 def record_figure(record: RestRecord) -> Figure:
     """Draw the rate over time: a band that hides no sample, and below it means that show drift."""
-    bins = _binned(record.rate_dps, math.ceil(record.rate_dps.size / _MOST_BINS))
+    bins = binned(record.rate_dps, math.ceil(record.rate_dps.size / MOST_BINS))
     bound = float(max(abs(bins.lowest.min()), abs(bins.highest.max())))
     rate, time = rate_unit(bound), time_unit(record.begin_s + record.duration_s)
     mean = float(record.rate_dps.mean())
@@ -39,7 +28,7 @@ def record_figure(record: RestRecord) -> Figure:
         _band_panel(record, bins, rate, time),
         *_mean_panels(record, rate, time, mean),
     )
-    drawn = (
+    shown = (
         "the samples" if bins.size == 1 else f"shaded: minimum to maximum of every {bins.size} samples"
     )
     return Figure(
@@ -48,7 +37,7 @@ def record_figure(record: RestRecord) -> Figure:
         width=Width.WIDE,
         panels=panels,
         note=_record_note(record),
-        caption=f"Output rate; {drawn} (none hidden); line: their mean."
+        caption=f"Output rate; {shown} (none hidden); line: their mean."
         + (
             f" Bottom: means of {plain(_panel_mean_s(record), 6)} s; dotted: mean of the record."
             if len(panels) > 1
@@ -68,15 +57,15 @@ def _record_note(record: RestRecord) -> str:
     return ", ".join([*parts, record.condition] if record.condition else parts)
 
 
-def _band_panel(record: RestRecord, bins: _Bins, rate: Unit, time: Unit) -> Panel:
+def _band_panel(record: RestRecord, bins: Bins, rate: Unit, time: Unit) -> Panel:
     middle = _middles(record, bins.mean.size, bins.size)
-    x = _drawn(middle, time)
-    band = Band(x=x, lower=_drawn(bins.lowest, rate), upper=_drawn(bins.highest, rate))
+    x = drawn(middle, time)
+    band = Band(x=x, lower=drawn(bins.lowest, rate), upper=drawn(bins.highest, rate))
     return Panel(
         y_label=f"Rate / ({rate.name})",
         x_label=f"Time / {time.name}",
         bands=(band,) if bins.size > 1 else (),
-        curves=(Curve(x=x, y=_drawn(bins.mean, rate), role=Role.MEAN),),
+        curves=(Curve(x=x, y=drawn(bins.mean, rate), role=Role.MEAN),),
     )
 
 
@@ -90,7 +79,7 @@ def _panel_mean_s(record: RestRecord) -> float:
     """Return 60 s, or longer means where that would be more than the bins of a page."""
     intervals = max(round(_MEAN_S / record.interval_s), 1)
     bins = record.rate_dps.size // intervals
-    return intervals * record.interval_s * max(math.ceil(bins / _MOST_BINS), 1)
+    return intervals * record.interval_s * max(math.ceil(bins / MOST_BINS), 1)
 
 
 def _mean_panels(record: RestRecord, rate: Unit, time: Unit, mean: float) -> tuple[Panel, ...]:
@@ -100,29 +89,17 @@ def _mean_panels(record: RestRecord, rate: Unit, time: Unit, mean: float) -> tup
         return ()
     count = record.rate_dps.size // size
     means = record.rate_dps[: count * size].reshape(count, size).mean(axis=1)
-    x = _drawn(_middles(record, count, size), time)
+    x = drawn(_middles(record, count, size), time)
     panel = Panel(
         y_label=f"{plain(mean_s, 4)} s mean / ({rate.name})",
         x_label=f"Time / {time.name}",
         height=_MEANS_HEIGHT,
         curves=(
-            Curve(x=x, y=_drawn(means, rate), role=Role.DATA),
+            Curve(x=x, y=drawn(means, rate), role=Role.DATA),
             Curve(x=(x[0], x[-1]), y=(mean * rate.factor,) * 2, role=Role.GUIDE),
         ),
     )
     return (panel,)
-
-
-def _binned(rate: NDArray[np.float64], size: int) -> _Bins:
-    """Reduce runs of `size` samples; a last run that is shorter stands too."""
-    starts = np.arange(0, rate.size, size)
-    counts = np.minimum(size, rate.size - starts)
-    return _Bins(
-        size=size,
-        lowest=np.minimum.reduceat(rate, starts),
-        highest=np.maximum.reduceat(rate, starts),
-        mean=np.add.reduceat(rate, starts) / counts,
-    )
 
 
 def histogram_figure(record: RestRecord) -> Figure:
@@ -146,8 +123,8 @@ def histogram_figure(record: RestRecord) -> Figure:
                 y_label=f"Density / ({unit.name})⁻¹",
                 x_label=f"Residual / ({unit.name})",
                 height=_HISTOGRAM_HEIGHT,
-                bars=Bars(edges=_drawn(edges, unit), heights=tuple(heights.tolist())),
-                curves=(Curve(x=_drawn(grid, unit), y=tuple(normal.tolist()), role=Role.MODEL),),
+                bars=Bars(edges=drawn(edges, unit), heights=tuple(heights.tolist())),
+                curves=(Curve(x=drawn(grid, unit), y=tuple(normal.tolist()), role=Role.MODEL),),
                 note=sigma,
             ),
         ),
@@ -177,7 +154,3 @@ def _densities(
         counts += np.histogram(rate[begin : begin + _BLOCK] - mean, bins=edges)[0]
     density: NDArray[np.float64] = counts / (rate.size * (edges[1] - edges[0]))
     return density
-
-
-def _drawn(values: NDArray[np.float64], unit: Unit) -> tuple[float, ...]:
-    return tuple((values * unit.factor).tolist())
