@@ -152,7 +152,7 @@ _ALL = (
     _standing(
         "other-configuration",
         Misbehaviour.OTHER_CONFIGURATION,
-        "a digital gyro is set to another output unit and another sample rate",
+        "a digital gyro is set to another output unit",
     ),
     _standing(
         "table-does-not-reach-rate", Misbehaviour.TABLE_SLOW, "the table stays below the rate asked for"
