@@ -4,10 +4,12 @@ from tests.benchmarks import (
     bench_allan,
     bench_analyse,
     bench_decoding,
+    bench_digital,
     bench_identification,
     bench_inert,
     bench_main_job,
     bench_reading_rate,
+    bench_simulated_stream,
 )
 
 for benchmark in (
@@ -17,6 +19,8 @@ for benchmark in (
     bench_allan,
     bench_analyse,
     bench_identification,
+    bench_simulated_stream,
+    bench_digital,
     bench_decoding,
 ):
     benchmark.main()
