@@ -182,7 +182,14 @@ class Bench:
             self._tables[name] = TableDrive(
                 table, clock=self.clock, motion=self._motion(name), name=self._resource(name)
             )
+        self._tables[name].take_up()
         return self._tables[name]
+
+    def put_down_table(self, slot: str) -> None:
+        """After a fault: a slot's table at rest and disconnected; its next use opens it anew."""
+        table = self._tables.get(self.station.slots[slot].table or "")
+        if table is not None:
+            table.put_down()
 
     def _motion(self, name: str) -> Motion:
         motion = self.station.instruments[name].motion

@@ -70,18 +70,24 @@ class UnitRun:
         standing = self.standing(item)
         if standing is not None:
             return self._acquired_before(item, standing)
-        taking_part = (self.takes_part(item), *self._others(item))
+        parts = (self.takes_part(item), *self._others(item))
         try:
-            Taking(taking_part).acquire()
+            Taking(
+                parts,
+                self.planned_case(item),
+                bench=self.bench(),
+                progress=self.progress,
+                confirm=self.confirm,
+            ).acquire()
         except BaseException as fault:
-            for one in taking_part:
-                one.run.record_fault(one.attempt, fault)
+            for part in parts:
+                record_fault(part.folder, part.attempt, fault)
             raise
-        attempt = taking_part[0].attempt
+        attempt = parts[0].attempt
         try:
             reduction = self._reduce(item, attempt)
         except BaseException as fault:
-            self.record_fault(attempt, fault)
+            record_fault(self.folder, attempt, fault)
             raise
         return Acquired(attempt=attempt, reduction=reduction)
 
@@ -89,7 +95,7 @@ class UnitRun:
         """Begin an attempt at an item that is acquired now."""
         attempt = self._begun(item)
         self._put(attempt)  # so that a killed process leaves an interrupted attempt
-        return TakesPart(run=self, item=item, attempt=attempt)
+        return TakesPart(folder=self.folder, header=self.header, item=item, attempt=attempt)
 
     def _others(self, item: PlannedItem) -> Iterator[TakesPart]:
         """The same item of the other units that the source reads, where it is still due."""
@@ -123,7 +129,7 @@ class UnitRun:
                 self._reduced_repeats(item, planned, found, axis) for axis in self._axes(planned)
             )
         except GyrotestError as fault:
-            self.record_fault(attempt, fault)
+            record_fault(self.folder, attempt, fault)
             raise
         return self._judged(item, attempt, reduction, Over.REPEATS)
 
@@ -291,18 +297,6 @@ class UnitRun:
             return attempts[-1]
         return None
 
-    def record_fault(self, attempt: Attempt, fault: BaseException) -> None:
-        """Put on record what ended an attempt."""
-        interrupted = not isinstance(fault, Exception)
-        self._put(
-            replace(
-                attempt,
-                outcome=Outcome.INTERRUPTED if interrupted else Outcome.ERROR,
-                message=str(fault) if interrupted else f"{fault}" or type(fault).__name__,
-                issued_utc=datetime.now(UTC),
-            )
-        )
-
     def _put(self, attempt: Attempt) -> None:
         self.folder.write_attempt(attempt)
 
@@ -310,3 +304,16 @@ class UnitRun:
 def failed_lines(results: Sequence[JudgedResult]) -> list[str]:
     """One line for each limit that is not met."""
     return [line(one) for one in results if one.verdict not in {None, Verdict.PASS}]
+
+
+def record_fault(folder: RunFolder, attempt: Attempt, fault: BaseException) -> None:
+    """Put on record what ended an attempt."""
+    interrupted = not isinstance(fault, Exception)
+    folder.write_attempt(
+        replace(
+            attempt,
+            outcome=Outcome.INTERRUPTED if interrupted else Outcome.ERROR,
+            message=str(fault) if interrupted else f"{fault}" or type(fault).__name__,
+            issued_utc=datetime.now(UTC),
+        )
+    )

@@ -1,60 +1,74 @@
 """The taking of one acquisition: power, source, warm-up, record; for every unit that the source reads."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from gyrotest.acquisition.acquire import Acquisition
-from gyrotest.acquisition.progress import Coming
+from gyrotest.acquisition.progress import Coming, Progress
 from gyrotest.acquisition.tracks import Track
 from gyrotest.errors import GyrotestError
 from gyrotest.ports import DigitalGyro, Playback, Remarking
 from gyrotest.records.recording import Identity, Recording, RecordingHeader, Sampling
-from gyrotest.records.run import Attempt, Origin, Outcome, PlannedItem
+from gyrotest.records.run import Attempt, Origin, Outcome, PlannedItem, RunHeader
 from gyrotest.records.spec import Between
 from gyrotest.records.station import Slot
 from gyrotest.runner.bench import Bench, OpenSource
 from gyrotest.runner.channels import Share, configured
 from gyrotest.runner.device import check_device
+from gyrotest.runner.folder import RunFolder
 from gyrotest.runner.items import PlannedCase, moment
-
-if TYPE_CHECKING:
-    from gyrotest.runner.flow import UnitRun
 
 _BY_HAND = "The unit was switched off and on by hand (manual power cycle), as the operator confirmed."
 
 
 @dataclass
 class TakesPart:
-    """A unit's part in an acquisition: its run, its item, and the attempt as it stands so far."""
+    """A unit's part in an acquisition: its run's folder and header, and the attempt as it stands so far."""
 
-    run: "UnitRun"
+    folder: RunFolder
+    header: RunHeader
     item: PlannedItem
     attempt: Attempt
 
     @property
-    def slot(self) -> Slot:
+    def slot(self) -> str:
+        """The name of the unit's slot."""
+        return self.header.slot
+
+    @property
+    def place(self) -> Slot:
         """Where the unit is."""
-        return self.run.header.station.station.slots[self.run.header.slot]
+        return self.header.station.station.slots[self.header.slot]
 
 
 class Taking:
-    """One acquisition for one unit, or for several that one source reads."""
+    """One acquisition for one unit, or for several that one source reads.
 
-    def __init__(self, parts: Sequence[TakesPart]) -> None:
+    `confirm` asks the operator to do something by hand and returns when it is done.
+    """
+
+    def __init__(
+        self,
+        parts: Sequence[TakesPart],
+        planned: PlannedCase,
+        *,
+        bench: Bench,
+        progress: Progress,
+        confirm: Callable[[str], None],
+    ) -> None:
         self._parts = parts
         self._first = parts[0]
-        run = self._first.run
-        self._planned: PlannedCase = run.planned_case(self._first.item)
-        self._bench: Bench = run.bench()
+        self._planned = planned
+        self._bench = bench
+        self._progress = progress
+        self._confirm = confirm
 
     def acquire(self) -> None:
         """Acquire, and leave each part's attempt with its recording; raises what ended it early."""
         self._cycle_power()
-        run = self._first.run
         for part in self._parts:
-            self._bench.power_on(part.run.header.slot)
-        opened = self._bench.source(run.header.slot, run.header.serial_number)
+            self._bench.power_on(part.slot)
+        opened = self._bench.source(self._first.slot, self._first.header.serial_number)
         for part in self._parts:
             part.attempt = replace(
                 part.attempt, origin=origin_of(opened.use.identity), instruments=(opened.use,)
@@ -65,6 +79,7 @@ class Taking:
             self._record(opened, shares)
         except GyrotestError:
             self._bench.drop(opened)
+            self._bench.put_down_table(run.header.slot)
             raise
 
     def _cycle_power(self) -> None:
@@ -73,26 +88,25 @@ class Taking:
         if case.between_repeats is not Between.POWER_CYCLE or item.repeat == 1:
             return
         for part in self._parts:
-            slot = part.run.header.slot
-            if self._bench.cycle_power(slot):
+            if self._bench.cycle_power(part.slot):
                 continue
-            if part.run.header.station.station.simulation is None:
-                part.run.confirm(f"{part.item.name}: switch the unit off and on again")
+            if part.header.station.station.simulation is None:
+                self._confirm(f"{part.item.name}: switch the unit off and on again")
                 part.attempt = replace(part.attempt, remarks=(*part.attempt.remarks, _BY_HAND))
-            self._bench.power_was_cycled(slot)
+            self._bench.power_was_cycled(part.slot)
 
     def _configured(self, opened: OpenSource) -> tuple[Share, ...]:
         """Set the source up; each unit's share of it."""
-        output = self._first.run.header.spec.spec.output
+        output = self._first.header.spec.spec.output
         shares = configured(
-            opened, [one.slot for one in self._parts], self._planned.plan.interval_s, output.axes
+            opened, [one.place for one in self._parts], self._planned.plan.interval_s, output.axes
         )
         if isinstance(opened.source, DigitalGyro):
             device = opened.source.device()
             check_device(
                 device,
                 who=opened.use.resource,
-                serial_number=self._first.run.header.serial_number,
+                serial_number=self._first.header.serial_number,
                 output=output,
             )
             if device.simulated:
@@ -100,10 +114,10 @@ class Taking:
         return shares
 
     def _make_ready(self, opened: OpenSource, sampling: Sampling) -> None:
-        planned, bench, run = self._planned, self._bench, self._first.run
+        planned, bench = self._planned, self._bench
         plan = planned.plan
         # What this takes passes while the unit warms up, and before the record is stamped.
-        run.progress.prepare(
+        self._progress.prepare(
             Coming(
                 sampling=sampling,
                 source=opened.use.identity,
@@ -111,14 +125,14 @@ class Taking:
                 steps=len(plan.steps),
             )
         )
-        warm_at_s = plan.warm_up_s + max(bench.powered_on_s(one.run.header.slot) for one in self._parts)
+        warm_at_s = plan.warm_up_s + max(bench.powered_on_s(one.slot) for one in self._parts)
         if bench.clock.now_s() < warm_at_s and not isinstance(opened.source, Playback):
-            run.progress.note(
+            self._progress.note(
                 f"{self._first.item.name}: warming up until {planned.case.warm_up} after power-on"
             )
             bench.clock.sleep_until(warm_at_s)
         for part in self._parts:
-            header = part.run.header
+            header = part.header
             starts = moment(header.spec.spec, part.item)
             bench.stage(
                 header.slot,
@@ -132,30 +146,29 @@ class Taking:
                 opened.source.cue(starts.acquired_s)
 
     def _record(self, opened: OpenSource, shares: tuple[Share, ...]) -> None:
-        planned, bench, run = self._planned, self._bench, self._first.run
-        case, slot = planned.case, run.header.slot
-        loss = case.allowed_loss
+        planned, bench = self._planned, self._bench
+        loss = planned.case.allowed_loss
         acquisition = Acquisition(
             source=opened.source,
             clock=bench.clock,
-            progress=run.progress,
+            progress=self._progress,
             tracks=tuple(
                 Track(
-                    run_folder=part.run.folder.path,
+                    run_folder=part.folder.path,
                     header=self._header(part, opened, of_unit.sampling),
                     columns=of_unit.columns,
                 )
                 for part, of_unit in zip(self._parts, shares, strict=True)
             ),
             plan=planned.plan,
-            stimulation=bench.stimulation(slot, planned.plan),
+            stimulation=bench.stimulation(self._first.slot, planned.plan),
             allowed_loss=None if loss is None else loss.to(""),
         )
         outcome = Outcome.INTERRUPTED
         try:
             acquisition.run()
             for part in self._parts:
-                bench.check_power(part.run.header.slot)
+                bench.check_power(part.slot)
             outcome = Outcome.ACQUIRED
         finally:
             self._put_on_record(opened, acquisition, outcome)
@@ -165,7 +178,7 @@ class Taking:
         told = source.remarks() if isinstance(source, Remarking) else ()
         recordings: tuple[Recording | None, ...] = acquisition.recordings or (None,) * len(self._parts)
         for part, track, recording in zip(self._parts, acquisition.tracks, recordings, strict=True):
-            slot = part.run.header.slot
+            slot = part.slot
             used = tuple(one for one in bench.used(slot) if one.name != opened.use.name)
             part.attempt = replace(
                 part.attempt,
@@ -178,10 +191,10 @@ class Taking:
                 remarks=(*part.attempt.remarks, *bench.take_events(slot), *told),
                 truth=bench.truth(slot, self._planned.plan),
             )
-            part.run.folder.write_attempt(part.attempt)
+            part.folder.write_attempt(part.attempt)
 
     def _header(self, part: TakesPart, opened: OpenSource, sampling: Sampling) -> RecordingHeader:
-        header, bench = part.run.header, self._bench
+        header, bench = part.header, self._bench
         return RecordingHeader(
             run_id=header.run_id,
             item=part.attempt.item,
@@ -198,7 +211,7 @@ class Taking:
         )
 
     def _since_power_on_s(self, part: TakesPart, opened: OpenSource) -> float | None:
-        header = part.run.header
+        header = part.header
         if opened.use.identity.replayed:
             return None
         if header.station.station.simulation is not None:
