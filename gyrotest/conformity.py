@@ -167,15 +167,23 @@ def _span(judged: JudgedResult, value: float) -> _Span:
 
 
 def _guarded(span: _Span, limit: JudgedLimit, not_included: tuple[str, ...]) -> _Finding:
-    """ILAC-G8:09/2019 4.2.2 (binary) and 4.2.3 (non-binary), the guard band being the uncertainty."""
+    """ILAC-G8:09/2019 4.2.2 (binary) and 4.2.3 (non-binary), the guard band being the uncertainty.
+
+    Of an interval with one end only, that end decides what it can.
+    """
     if not_included:
         reason = (
             f"a guarded decision needs the whole uncertainty; not included: {', '.join(not_included)}"
         )
         return _Finding(verdict=Verdict.INCOMPLETE, reason=reason)
-    if span.lower is None or span.upper is None:
+    lower = -math.inf if span.lower is None else span.lower
+    upper = math.inf if span.upper is None else span.upper
+    open_end = (limit.min is not None and span.lower is None) or (
+        limit.max is not None and span.upper is None
+    )
+    if open_end and not _apart(lower, upper, limit):
         return _Finding(verdict=Verdict.INCOMPLETE, reason="a guarded decision needs an uncertainty")
-    return _Finding(verdict=_guarded_verdict(span.value, span.lower, span.upper, limit))
+    return _Finding(verdict=_guarded_verdict(span.value, lower, upper, limit))
 
 
 def _guarded_verdict(value: float, lower: float, upper: float, limit: JudgedLimit) -> Verdict:

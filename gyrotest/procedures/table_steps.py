@@ -108,6 +108,15 @@ def warm_up_s(case: Case) -> float:
     return 0.0 if case.warm_up is None else case.warm_up.to("s")
 
 
+def missing_of_table(context: Context) -> tuple[str, ...]:
+    """Give what could not be had of the rate table's accuracy."""
+    if context.table is None:
+        return ("accuracy of the rate table",)
+    if context.table.of_setting is None:
+        return ("own error of each setting of the rate table",)
+    return ()
+
+
 def rounding_covariance(means: tuple[DwellRecord, ...]) -> NDArray[np.float64]:
     """Return what the steps of a digitised output add to the covariance of the means."""
     return np.diag([_half_step(one) ** 2 / 3.0 for one in means])

@@ -88,6 +88,22 @@ def test_guarded_rules_refuse_an_uncertainty_that_is_not_whole_or_not_there(rule
     assert judged(1.0, limit(high=10.0), not_included=("meter",)).verdict is Verdict.PASS
 
 
+@pytest.mark.parametrize("rule", [GUARDED, NONBINARY])
+def test_one_end_of_an_interval_decides_what_it_can(rule: DecisionRule) -> None:
+    """As of a range that was only tested so far, or of a threshold beyond the largest change tried."""
+    at_least = {"lower_95": 118.0}
+    assert judged(120.0, limit(low=100.0, rule=rule), **at_least).verdict is Verdict.PASS
+    assert judged(120.0, limit(high=110.0, rule=rule), **at_least).verdict is Verdict.FAIL
+    open_end = judged(120.0, limit(high=130.0, rule=rule), **at_least)
+    assert (open_end.verdict, open_end.reason) == (
+        Verdict.INCOMPLETE,
+        "a guarded decision needs an uncertainty",
+    )
+    at_most = {"upper_95": 3.0}
+    assert judged(2.0, limit(low=5.0, rule=rule), **at_most).verdict is Verdict.FAIL
+    assert judged(2.0, limit(low=1.0, high=4.0, rule=rule), **at_most).verdict is Verdict.INCOMPLETE
+
+
 @pytest.mark.parametrize("rule", list(DecisionRule))
 def test_an_upper_bound_can_pass_a_maximum_but_no_minimum(rule: DecisionRule) -> None:
     bound = {"at_most": True, "lower_95": 0.0, "upper_95": 8.0}

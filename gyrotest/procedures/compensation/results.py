@@ -7,6 +7,7 @@ from gyrotest.analysis.residuals import RootMeanSquare, root_mean_square
 from gyrotest.procedures.compensation.coefficients import Coefficients
 from gyrotest.procedures.compensation.verification import Residuals, Verification
 from gyrotest.procedures.earth import earth_words
+from gyrotest.procedures.table_steps import missing_of_table
 from gyrotest.procedures.wording import plain, rate_text
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Measurand, Result
@@ -81,7 +82,6 @@ def _pair(
 
 
 def _missing(context: Context) -> Iterator[str]:
-    if context.table is None:
-        yield "accuracy of the table"
+    yield from missing_of_table(context)
     if context.output.kind is OutputKind.VOLTAGE and context.accuracy is None:
         yield "accuracy of the meter"

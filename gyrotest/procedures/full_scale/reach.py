@@ -53,17 +53,16 @@ class Reached:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reach:
-    """One way: rates in °/s, positive. `value_dps` None: not even the first step is on the line.
+    """One way: rates in °/s, positive; 0 where not even the first step is on the line.
 
-    The true end of the range lies between `lower_dps` and `upper_dps`; where the output never certainly left
-    the line, `upper_dps` is the largest rate tested and `open` is true. `left_at` is the first step beyond.
+    The true end of the range lies between `lower_dps` and `upper_dps`, which is None where the output never
+    certainly left the line. `left_at` is the first step beyond.
     """
 
     steps: tuple[Reached, ...]
-    value_dps: float | None
+    value_dps: float
     lower_dps: float
-    upper_dps: float
-    open: bool
+    upper_dps: float | None
     left_at: Reached | None
 
 
@@ -123,10 +122,9 @@ def _reach(
     left = next((one for one in steps if one.held is Held.NOT), None)
     return Reach(
         steps=steps,
-        value_dps=_last_before(steps, {Held.CERTAINLY, Held.RATHER}) or None,
+        value_dps=_last_before(steps, {Held.CERTAINLY, Held.RATHER}),
         lower_dps=_last_before(steps, {Held.CERTAINLY}),
-        upper_dps=abs((left or steps[-1]).record.rate_dps),
-        open=left is None,
+        upper_dps=None if left is None else abs(left.record.rate_dps),
         left_at=left_at,
     )
 

@@ -1,9 +1,11 @@
 """Measurement ranges as results, the figure of deviations, and what is to be said of saturation."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from gyrotest.procedures.full_scale.parameters import RANGE_LABELS, FullScaleParameters
 from gyrotest.procedures.full_scale.reach import Reach, Reached, Reaches
+from gyrotest.procedures.table_steps import missing_of_table
 from gyrotest.procedures.wording import plain
 from gyrotest.records.figure import Curve, Figure, Panel, Points, Role
 from gyrotest.records.plan import Context
@@ -16,24 +18,24 @@ _MARGIN = 1.06
 
 def range_results(reaches: Reaches, context: Context) -> Iterator[Result]:
     """Give the range both ways, and each way."""
-    both = min(
-        (reaches.forward, reaches.backward), key=lambda one: (one.value_dps or 0.0, one.upper_dps)
-    )
-    yield _range_result("measurement_range", both, context)
+    yield _range_result("measurement_range", _smaller(reaches.forward, reaches.backward), context)
     yield _range_result("measurement_range_forward", reaches.forward, context)
     yield _range_result("measurement_range_backward", reaches.backward, context)
+
+
+def _smaller(one: Reach, other: Reach) -> Reach:
+    """Return the smaller reach, whose interval holds the doubts of both."""
+    uppers = [each.upper_dps for each in (one, other) if each.upper_dps is not None]
+    return replace(
+        min((one, other), key=lambda each: (each.value_dps, each.left_at is None)),
+        lower_dps=min(one.lower_dps, other.lower_dps),
+        upper_dps=min(uppers, default=None),
+    )
 
 
 def _range_result(name: str, reach: Reach, context: Context) -> Result:
     parameters: FullScaleParameters = context.parameters
     within = f"within {parameters.linearity} of full scale"
-    if reach.value_dps is None:
-        reason = f"not even the first step, {_rate(reach.steps[0])}, is {within} of the line"
-        return Result(name=name, label=RANGE_LABELS[name], value=None, unit="deg/s", condition=reason)
-    if reach.left_at is None:
-        how = "at least: the largest rate tested"
-    else:
-        how = f"{'saturated' if reach.left_at.saturated else 'off the line'} at {_rate(reach.left_at)}"
     return Result(
         name=name,
         label=RANGE_LABELS[name],
@@ -41,9 +43,16 @@ def _range_result(name: str, reach: Reach, context: Context) -> Result:
         unit="deg/s",
         lower_95=reach.lower_dps,
         upper_95=reach.upper_dps,
-        condition=f"{within}; {how}",
-        not_included=() if context.table is not None else ("accuracy of the rate table",),
+        condition=f"{within}; {_how_far(reach)}",
+        not_included=missing_of_table(context),
     )
+
+
+def _how_far(reach: Reach) -> str:
+    if reach.left_at is None:
+        return "at least: the largest rate tested"
+    place = f"{'saturated' if reach.left_at.saturated else 'off the line'} at {_rate(reach.left_at)}"
+    return place if reach.value_dps else f"{place}: not even the first step is on it"
 
 
 def saturation_remarks(reaches: Reaches) -> Iterator[str]:

@@ -13,10 +13,10 @@ from gyrotest.procedures.scale_factor.uncertainty import (
     bias_budget,
     missing_of_bias,
     missing_of_slope,
-    missing_of_steps,
     slope_budget,
     slope_unit,
 )
+from gyrotest.procedures.table_steps import missing_of_table
 from gyrotest.procedures.turns import Turns
 from gyrotest.procedures.uncertainty import by_statistics, expanded
 from gyrotest.procedures.wording import plain
@@ -159,7 +159,7 @@ def _magnitude_result(
         lower_95=found.lower_95,
         upper_95=found.upper_95,
         condition=condition,
-        not_included=missing_of_steps(context),
+        not_included=missing_of_table(context),
     )
 
 

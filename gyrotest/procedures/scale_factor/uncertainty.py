@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from gyrotest.analysis.scale_factor import Linear
 from gyrotest.procedures.earth import of_earth
 from gyrotest.procedures.meter import meter_contributions, missing_of_meter
+from gyrotest.procedures.table_steps import missing_of_table
 from gyrotest.procedures.turns import Turns
 from gyrotest.procedures.uncertainty import by_statistics, rectangular
 from gyrotest.procedures.wording import plain, rate_text
@@ -56,23 +57,14 @@ def slope_unit(turns: Turns) -> str:
     return "" if turns.scaling.unit == "deg/s" else f"{turns.scaling.unit}*s/deg"
 
 
-def missing_of_steps(context: Context) -> tuple[str, ...]:
-    """Give what could not be had of what differs from step to step."""
-    if context.table is None:
-        return ("accuracy of the rate table",)
-    if context.table.of_setting is None:
-        return ("own error of each setting of the rate table",)
-    return ()
-
-
 def missing_of_slope(context: Context) -> tuple[str, ...]:
     """Give what could not be had of a slope's uncertainty."""
-    return (*missing_of_steps(context), *_unknown_meter(context))
+    return (*missing_of_table(context), *_unknown_meter(context))
 
 
 def missing_of_bias(turns: Turns, context: Context) -> tuple[str, ...]:
     """Give what could not be had of the bias's uncertainty."""
-    missing = [*missing_of_steps(context), *missing_of_meter(context, turns.turning[0].sampling)]
+    missing = [*missing_of_table(context), *missing_of_meter(context, turns.turning[0].sampling)]
     if context.since_power_on_s is None:
         missing.append("drift before the record (time of power-on not known)")
     return tuple(missing)

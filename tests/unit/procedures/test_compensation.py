@@ -16,6 +16,7 @@ from gyrotest.records.plan import Context, Plan, Reduction, Turning
 from gyrotest.records.recording import Samples
 from gyrotest.records.result import Result
 from gyrotest.records.spec import Case, Limit
+from gyrotest.records.station import Accuracy
 from gyrotest.specification.spec import case_parameters
 from gyrotest.units import Quantity
 from tests.unit.procedures.bench import by_name
@@ -184,9 +185,11 @@ def test_without_a_fit_before_it_there_is_nothing_to_apply(
 def test_what_is_not_known_is_not_included() -> None:
     found = by_name(reduced(UNIT, table=None, accuracy=None).results)
     assert found["residual_rms_after"].not_included == (
-        "accuracy of the table",
+        "accuracy of the rate table",
         "accuracy of the meter",
     )
+    own = by_name(reduced(UNIT, table=Accuracy(of_reading=Quantity(20.0, "ppm"))).results)
+    assert own["residual_max_after"].not_included == ("own error of each setting of the rate table",)
 
 
 def content(reduction: Reduction) -> Any:

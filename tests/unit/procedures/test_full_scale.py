@@ -11,10 +11,12 @@ from gyrotest.procedures.full_scale import FullScale, FullScaleParameters
 from gyrotest.records.plan import Plan, Reduction
 from gyrotest.records.recording import Samples
 from gyrotest.records.spec import Output
+from gyrotest.records.station import Accuracy
 from gyrotest.units import Quantity
 from tests.unit.procedures.bench import by_name
 from tests.unit.procedures.turntable import (
     Unit,
+    dwells_of,
     plan_of,
     samples_of_turns,
     table_case,
@@ -55,7 +57,8 @@ def test_the_plan_may_saturate_but_not_at_rest() -> None:
 def test_a_gyro_that_stays_on_the_line_reaches_at_least_the_largest_rate() -> None:
     found = reduced(samples_of_turns(Unit(), planned()))
     whole = by_name(found.results)["measurement_range"]
-    assert (whole.value, whole.lower_95, whole.upper_95) == (120.0, 120.0, 120.0)
+    # How far beyond it reaches is not known.
+    assert (whole.value, whole.lower_95, whole.upper_95) == (120.0, 120.0, None)
     assert whole.condition == "within 0.1 % of full scale; at least: the largest rate tested"
     assert found.remarks[0] == "No saturation found forward, up to 120 °/s."
 
@@ -78,6 +81,36 @@ def test_a_rail_is_found_by_the_values_each_way_apart(noise_v: float) -> None:
     assert found["measurement_range_backward"].value == 80.0
     assert found["measurement_range"].value == 80.0
     assert (found["measurement_range"].lower_95, found["measurement_range"].upper_95) == (80.0, 90.0)
+
+
+def test_both_ways_are_no_surer_than_the_less_sure_way() -> None:
+    """Beyond 50 °/s the two ways bend apart: the interval of the smaller range holds both doubts."""
+    bent = Unit(asymmetry_ppm=1500.0, cubic_ppm=2000.0, noise={"angle_random_walk": 0.03})
+    for seed in range(1, 21):
+        found = by_name(reduced(samples_of_turns(bent, planned(), seed=seed)).results)
+        both, *ways = (found[f"measurement_range{way}"] for way in ("", "_forward", "_backward"))
+        assert both.value == min(one.value or 0.0 for one in ways)
+        assert both.lower_95 == min(one.lower_95 or 0.0 for one in ways)
+        uppers = [one.upper_95 for one in ways if one.upper_95 is not None]
+        assert both.upper_95 == min(uppers, default=None)
+
+
+def test_an_output_that_is_never_on_the_line_has_no_range_and_fails_a_minimum() -> None:
+    rates = np.array([one.rate_dps or 0.0 for one in dwells_of(planned())])
+    samples = samples_of_turns(Unit(), planned())
+    # A dead band: nothing up to 15 °/s, the whole rate beyond.
+    dead = np.repeat(np.where(np.abs(rates) < 15.0, -0.05 * rates, 0.0), 50)
+    found = by_name(
+        reduced(dataclasses.replace(samples, values=samples.values + dead[:, None])).results
+    )["measurement_range"]
+    assert (found.value, found.lower_95, found.upper_95) == (0.0, 0.0, 10.0)
+    assert found.condition.endswith("off the line at 10 °/s: not even the first step is on it")
+
+
+def test_a_table_whose_settings_own_errors_are_not_known_is_named() -> None:
+    table = Accuracy(of_reading=Quantity(20.0, "ppm"))
+    found = by_name(reduced(samples_of_turns(Unit(), planned()), table=table).results)
+    assert found["measurement_range"].not_included == ("own error of each setting of the rate table",)
 
 
 def test_a_slow_bend_leaves_the_line_where_the_linearity_says() -> None:
