@@ -1,14 +1,16 @@
 """One acquisition: each step's stimulus, its samples to the last, everything kept, a bench's faults bridged."""
 
+import contextlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from gyrotest.acquisition.plausibility import Plausibility
 from gyrotest.acquisition.progress import Progress
 from gyrotest.acquisition.stimulation import Stimulation
 from gyrotest.acquisition.tracks import Track, Tracks
-from gyrotest.errors import AcquisitionError, InstrumentError, OverloadError
+from gyrotest.errors import AcquisitionError, GyrotestError, InstrumentError, OverloadError
 from gyrotest.ports import Clock, Playback, Source
-from gyrotest.records.plan import Plan, Step
+from gyrotest.records.plan import Plan, Step, Turning
 from gyrotest.records.recording import Block, Dwell, Gap, Recording
 
 RETRY_PAUSES_S = (1.0, 5.0, 30.0)
@@ -60,11 +62,13 @@ class Acquisition:
         if len(self.plan.steps) > 1:
             self.progress.note(f"step {number} of {len(self.plan.steps)}: {step.name}")
         asked_s = self.clock.now_s()
-        self.stimulation.reach(step)
+        with self._told_of(step):
+            self.stimulation.reach(step)
         began_s = self.clock.now_s()
         self._offset_s = began_s - self._begun_s
         try:
-            self._sample(tracks, step)
+            with self._told_of(step):
+                self._sample(tracks, step)
         finally:
             read_back = self.stimulation.read_back()
             tracks.dwell(
@@ -81,6 +85,16 @@ class Acquisition:
                 )
             )
         self._base += step.samples
+
+    @contextlib.contextmanager
+    def _told_of(self, step: Step) -> Iterator[None]:
+        """Say of whatever goes wrong in which of several steps it did."""
+        try:
+            yield
+        except GyrotestError as fault:
+            if len(self.plan.steps) > 1 and f"step '{step.name}'" not in str(fault):
+                fault.args = (f"{fault} ({_step_words(step)})",)
+            raise
 
     def _sample(self, tracks: Tracks, step: Step) -> None:
         header = self.tracks[0].header
@@ -177,3 +191,10 @@ class Acquisition:
     def _note(self, text: str) -> None:
         self.events.append(f"{self.clock.utc():%Y-%m-%d %H:%M:%S} UTC: {text}")
         self.progress.note(text)
+
+
+def _step_words(step: Step) -> str:
+    """A step by its name, and by its rate where it has one."""
+    if not isinstance(step.stimulus, Turning):
+        return f"step '{step.name}'"
+    return f"step '{step.name}' at {step.stimulus.rate_dps:g} °/s"

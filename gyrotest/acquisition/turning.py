@@ -112,7 +112,8 @@ class TableDrive:
     """Brings a rate table to the rates of a plan's steps and watches it there.
 
     The table is opened by its owner, who also closes it; it is switched on with the first rate. Where
-    there is no slip ring it turns back after the plan to where it stood before.
+    there is no slip ring it turns back after the plan to where it stood before. After a fault it is
+    put down, and opened anew for what comes next.
     """
 
     def __init__(
@@ -126,6 +127,7 @@ class TableDrive:
         self._start_deg: float | None = None
         self._turning = Turning(rate_dps=0.0)
         self._enabled = False
+        self._put_down = False
         self._between_plans = True
         self._watched_s = 0.0
         self._sum_dps = 0.0
@@ -153,8 +155,8 @@ class TableDrive:
         if abs(read_dps - self._turning.rate_dps) > self._turning.tolerance_dps:
             raise InstrumentError(
                 f"{self._name}: left its rate: {self._turning.rate_dps:g} deg/s is demanded, {read_dps:.6g} deg/s"
-                f" is read back, ±{self._turning.tolerance_dps:g} deg/s is accepted; look at its load and"
-                " its balance"
+                f" is read back, ±{self._turning.tolerance_dps:g} deg/s is accepted; look at its"
+                " interlocks, its load and its balance"
             )
 
     def read_back(self) -> float | None:
@@ -168,20 +170,33 @@ class TableDrive:
     def rest(self) -> None:
         """Bring it to rest, and back where cables ask for it; never raises.
 
-        Nothing is turned back while an error or an interruption is being dealt with: somebody may be
-        at the table.
+        Nothing is turned back while an error is being dealt with: somebody may be at the table. An
+        interruption is not even kept waiting until it rests.
         """
         if not self._enabled:
             return
-        interrupted = sys.exception() is not None
+        fault = sys.exception()
         self._table.stop()
         self._between_plans = True
         self._turning = Turning(rate_dps=0.0)
-        if interrupted:
+        if fault is not None and not isinstance(fault, Exception):
             return
         with contextlib.suppress(InstrumentError):
             self._come_to_rest()
-            self._unwind()
+            if fault is None:
+                self._unwind()
+
+    def put_down(self) -> None:
+        """After a fault: at rest, switched off and disconnected, its turns still counted; never raises."""
+        self._table.close()
+        self._put_down, self._enabled, self._between_plans = True, False, True
+        self._turning = Turning(rate_dps=0.0)
+
+    def take_up(self) -> None:
+        """Open it anew where it was put down; raises `InstrumentError`."""
+        if self._put_down:
+            self._table.open()
+            self._put_down = False
 
     def _switch_on(self) -> None:
         if not self._enabled:

@@ -79,7 +79,7 @@ class Taking:
             self._record(opened, shares)
         except GyrotestError:
             self._bench.drop(opened)
-            self._bench.put_down_table(run.header.slot)
+            self._bench.put_down_table(self._first.slot)
             raise
 
     def _cycle_power(self) -> None:
