@@ -49,10 +49,13 @@ def _groups(record: RunRecord) -> Iterator[PictureGroup]:
     for item in record.items:
         figures = item.last.figures if item.last else ()
         for axis in axes:
-            rows = []
+            rows: list[tuple[Picture, ...]] = []
             for row in _in_rows(tuple(one for one in figures if one.axis == axis)):
-                rows.append(tuple(_picture(figure, number + n) for n, figure in enumerate(row, start=1)))
-                number += len(row)
+                pictures = []
+                for figure in row:
+                    number += bool(figure.panels)  # a table alone is no figure
+                    pictures.append(_picture(figure, number))
+                rows.append(tuple(pictures))
             if rows:
                 yield PictureGroup(heading=_heading(record, item, axis), rows=tuple(rows))
 

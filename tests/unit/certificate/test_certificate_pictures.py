@@ -1,9 +1,13 @@
 """Figures in rows side by side, and tables of procedures with numbers rounded like the results'."""
 
 import dataclasses
+import io
 import re
 from collections.abc import Callable
 
+from pypdf import PdfReader
+
+from gyrotest.certificate.pdf import certificate_bytes
 from gyrotest.certificate.pictures import picture_groups
 from gyrotest.certificate.procedure_table import table_view
 from gyrotest.certificate.record import read_record, record_bytes
@@ -75,6 +79,18 @@ def test_a_table_may_stand_without_a_plot() -> None:
     (picture,) = row
     assert picture.source == ""
     assert picture.table is not None
+
+
+def test_a_table_alone_takes_no_figure_number_and_no_second_heading() -> None:
+    alone = Figure(name="terms", title="Alone", panels=(), table=TABLE)
+    record = run_with(alone, figure(Width.FULL))
+    (group,) = picture_groups(record)
+    assert [one.number for row in group.rows for one in row] == [0, 1]
+    pages = PdfReader(io.BytesIO(certificate_bytes(record))).pages
+    page = " ".join(one.extract_text() for one in pages)
+    assert TABLE.title in page
+    assert "Alone" not in page
+    assert "Fig. 0" not in page
 
 
 def test_a_table_is_kept_in_the_record() -> None:
