@@ -1,9 +1,8 @@
 """HP / Agilent 34401A multimeter, DC volts; the host paces it with one READ? an interval."""
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
@@ -13,10 +12,11 @@ from gyrotest.instruments.identity import Expected
 from gyrotest.instruments.pacing import Grid, Readings
 from gyrotest.instruments.scpi import Setting
 from gyrotest.instruments.session import Session
-from gyrotest.instruments.transport.channel import Connect, FlowControl, Parity, SerialLine
+from gyrotest.instruments.transport.channel import Connect, FlowControl
+from gyrotest.instruments.transport.serial_settings import SerialSettings
 from gyrotest.instruments.transport.visa import open_channel
 from gyrotest.instruments.voltage import (
-    RANGE_10_V,
+    MeterSettings,
     check_nplc,
     check_range,
     noise_of_mean,
@@ -28,7 +28,6 @@ from gyrotest.ports import Clock
 from gyrotest.records.described import Described
 from gyrotest.records.recording import Block, Identity, Sampling
 from gyrotest.records.station import Accuracy
-from gyrotest.units import Dimension, OfDimension, Quantity
 
 # Resolution as a part of the range that stands for each integration time.
 _RESOLUTION = {0.02: 1e-4, 0.2: 1e-5, 1.0: 3e-6, 10.0: 1e-6, 100.0: 3e-7}
@@ -48,25 +47,9 @@ _EXPECTED = Expected(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Agilent34401ASettings:
+class Agilent34401ASettings(SerialSettings, MeterSettings):
     """The station's settings of a 34401A; the serial ones count on RS-232 only."""
 
-    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
-
-    range: Annotated[
-        Quantity, OfDimension(Dimension.VOLTAGE), Described("Measuring range; never automatic.", "10 V")
-    ] = RANGE_10_V
-    nplc: Annotated[float, Described("Integration time of a reading in power-line cycles.", "10")] = 10.0
-    autozero: Annotated[
-        bool,
-        Described("Measure the zero after each reading: half as fast, no drift over hours.", "true"),
-    ] = True
-    high_impedance: Annotated[
-        bool, Described("More than 10 GOhm input resistance up to 10 V, else 10 MOhm.", "true")
-    ] = True
-    baud_rate: Annotated[int, Described("RS-232: bits per second.", "9600")] = 9600
-    data_bits: Annotated[int, Described("RS-232: 7 or 8 bits.", "8")] = 8
-    parity: Annotated[Parity, Described("RS-232: parity bit.", "none")] = Parity.NONE
     stop_bits: Annotated[int, Described("RS-232: 1 or 2 stop bits.", "2")] = 1
     flow_control: Annotated[
         FlowControl, Described("RS-232: handshake; the meter's own is `dtr_dsr`.", "dtr_dsr")
@@ -76,17 +59,6 @@ class Agilent34401ASettings:
         check_range(self.range)
         check_nplc(self.nplc, tuple(_RESOLUTION), "34401A")
         _ = self.line  # checks the serial settings
-
-    @property
-    def line(self) -> SerialLine:
-        """The serial line's part."""
-        return SerialLine(
-            baud_rate=self.baud_rate,
-            data_bits=self.data_bits,
-            parity=self.parity,
-            stop_bits=self.stop_bits,
-            flow_control=self.flow_control,
-        )
 
 
 class Agilent34401A:

@@ -2,9 +2,8 @@
 
 import math
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +17,7 @@ from gyrotest.instruments.session import Session
 from gyrotest.instruments.transport.channel import Connect
 from gyrotest.instruments.transport.visa import open_channel
 from gyrotest.instruments.voltage import (
-    RANGE_10_V,
+    MeterSettings,
     check_nplc,
     check_range,
     noise_of_mean,
@@ -27,10 +26,8 @@ from gyrotest.instruments.voltage import (
     too_short,
 )
 from gyrotest.ports import Clock
-from gyrotest.records.described import Described
 from gyrotest.records.recording import Block, Identity, Sampling
 from gyrotest.records.station import Accuracy
-from gyrotest.units import Dimension, OfDimension, Quantity
 
 _NPLC = (0.02, 0.06, 0.2, 1.0, 10.0, 100.0)
 _SHORTEST_READING_S = 1e-3
@@ -50,22 +47,8 @@ _EXPECTED = Expected(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Keysight34465ASettings:
+class Keysight34465ASettings(MeterSettings):
     """The station's settings of a 34465A."""
-
-    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
-
-    range: Annotated[
-        Quantity, OfDimension(Dimension.VOLTAGE), Described("Measuring range; never automatic.", "10 V")
-    ] = RANGE_10_V
-    nplc: Annotated[float, Described("Integration time of a reading in power-line cycles.", "10")] = 10.0
-    autozero: Annotated[
-        bool,
-        Described("Measure the zero after each reading: half as fast, no drift over hours.", "true"),
-    ] = True
-    high_impedance: Annotated[
-        bool, Described("More than 10 GOhm input resistance up to 10 V, else 10 MOhm.", "true")
-    ] = True
 
     def __post_init__(self) -> None:
         check_range(self.range)

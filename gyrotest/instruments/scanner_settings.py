@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Annotated, Any, ClassVar
 
-from gyrotest.instruments.transport.channel import FlowControl, Parity, SerialLine
-from gyrotest.instruments.voltage import RANGE_10_V, check_nplc
+from gyrotest.instruments.transport.channel import FlowControl
+from gyrotest.instruments.transport.serial_settings import SerialSettings
+from gyrotest.instruments.voltage import MeterSettings, check_nplc
 from gyrotest.records.described import Described
 from gyrotest.units import Dimension, OfDimension, Quantity
 
@@ -107,22 +108,10 @@ _PLAIN = BesideChannel(function=Function.VOLTAGE)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Keysight34970ASettings:
+class Keysight34970ASettings(SerialSettings, MeterSettings):
     """The station's settings of a 34970A, 34972A, DAQ970A or DAQ973A; the serial ones count on RS-232 only."""
 
-    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
-
-    range: Annotated[
-        Quantity, OfDimension(Dimension.VOLTAGE), Described("Measuring range; never automatic.", "10 V")
-    ] = RANGE_10_V
     nplc: Annotated[float, Described("Integration time of a reading in power-line cycles.", "1")] = 1.0
-    autozero: Annotated[
-        bool,
-        Described("Measure the zero after each reading: half as fast, no drift over hours.", "true"),
-    ] = True
-    high_impedance: Annotated[
-        bool, Described("More than 10 GOhm input resistance up to 10 V, else 10 MOhm.", "true")
-    ] = True
     beside: Annotated[
         Mapping[str, BesideChannel],
         Described(
@@ -132,9 +121,6 @@ class Keysight34970ASettings:
         ),
     ] = field(default_factory=dict)
     baud_rate: Annotated[int, Described("RS-232: bits per second.", "57600")] = 57_600
-    data_bits: Annotated[int, Described("RS-232: 7 or 8 bits.", "8")] = 8
-    parity: Annotated[Parity, Described("RS-232: parity bit.", "none")] = Parity.NONE
-    stop_bits: Annotated[int, Described("RS-232: 1 or 2 stop bits.", "1")] = 1
     flow_control: Annotated[
         FlowControl, Described("RS-232: handshake; the scanner's own is `xon_xoff`.", "xon_xoff")
     ] = FlowControl.NONE
@@ -146,17 +132,6 @@ class Keysight34970ASettings:
         for channel in self.beside:
             if not is_channel(channel):
                 raise ValueError(f"'{channel}' is no channel; write slot and channel, e.g. '102'")
-
-    @property
-    def line(self) -> SerialLine:
-        """The serial line's part."""
-        return SerialLine(
-            baud_rate=self.baud_rate,
-            data_bits=self.data_bits,
-            parity=self.parity,
-            stop_bits=self.stop_bits,
-            flow_control=self.flow_control,
-        )
 
     def at(self, channel: str) -> BesideChannel:
         """What is connected to an auxiliary channel."""

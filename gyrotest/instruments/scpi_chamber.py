@@ -2,15 +2,15 @@
 
 import contextlib
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 from gyrotest.errors import InstrumentError, InstrumentIdentityError, InstrumentProtocolError
 from gyrotest.instruments import scpi
 from gyrotest.instruments.identity import parse_identity
-from gyrotest.instruments.transport.channel import Connect, FlowControl, Parity, SerialLine
+from gyrotest.instruments.transport.channel import Connect
 from gyrotest.instruments.transport.conversation import Conversation, shown
+from gyrotest.instruments.transport.serial_settings import SerialSettings
 from gyrotest.instruments.transport.visa import open_channel
 from gyrotest.ports import Clock
 from gyrotest.records.described import Described
@@ -26,10 +26,8 @@ _HOTTEST = Quantity(180.0, "degC")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ScpiChamberSettings:
+class ScpiChamberSettings(SerialSettings):
     """The station's settings of a chamber: what is said to it; the serial ones count on RS-232 only."""
-
-    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
 
     set: Annotated[
         str, Described("The command that sets the temperature, {value} in °C.", "SOUR:TEMP {value:.2f}")
@@ -86,11 +84,6 @@ class ScpiChamberSettings:
         OfDimension(Dimension.TEMPERATURE),
         Described("What is never gone above.", "85 degC"),
     ] = _HOTTEST
-    baud_rate: Annotated[int, Described("RS-232: bits per second.", "9600")] = 9600
-    data_bits: Annotated[int, Described("RS-232: 7 or 8 bits.", "8")] = 8
-    parity: Annotated[Parity, Described("RS-232: parity bit.", "none")] = Parity.NONE
-    stop_bits: Annotated[int, Described("RS-232: 1 or 2 stop bits.", "1")] = 1
-    flow_control: Annotated[FlowControl, Described("RS-232: handshake.", "none")] = FlowControl.NONE
 
     def __post_init__(self) -> None:
         if self.command(12.3) == self.command(45.6):
@@ -113,17 +106,6 @@ class ScpiChamberSettings:
             raise ValueError(
                 f"set '{self.set}' cannot be filled in ({error}); write e.g. SOUR:TEMP {{value:.2f}}"
             ) from None
-
-    @property
-    def line(self) -> SerialLine:
-        """The serial line's part."""
-        return SerialLine(
-            baud_rate=self.baud_rate,
-            data_bits=self.data_bits,
-            parity=self.parity,
-            stop_bits=self.stop_bits,
-            flow_control=self.flow_control,
-        )
 
 
 def _check_pattern(key: str, pattern: str) -> None:

@@ -3,10 +3,9 @@
 import contextlib
 import math
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 from gyrotest.errors import (
     InstrumentError,
@@ -17,8 +16,9 @@ from gyrotest.errors import (
 from gyrotest.instruments import scpi
 from gyrotest.instruments.identity import Expected
 from gyrotest.instruments.session import Session
-from gyrotest.instruments.transport.channel import Connect, FlowControl, Parity, SerialLine
+from gyrotest.instruments.transport.channel import Connect
 from gyrotest.instruments.transport.conversation import shown
+from gyrotest.instruments.transport.serial_settings import SerialSettings
 from gyrotest.instruments.transport.visa import open_channel
 from gyrotest.ports import Clock
 from gyrotest.records.bench import Supplied
@@ -46,10 +46,8 @@ class Select(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ScpiSupplySettings:
+class ScpiSupplySettings(SerialSettings):
     """The station's settings of a power supply; the serial ones count on RS-232 only."""
-
-    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
 
     outputs: Annotated[int, Described("How many outputs the supply has.", "3")] = 1
     select: Annotated[
@@ -91,11 +89,6 @@ class ScpiSupplySettings:
         ),
     ] = ""
     limit_mask: Annotated[int, Described("The bits of the answer that say so.", "1")] = 1
-    baud_rate: Annotated[int, Described("RS-232: bits per second.", "9600")] = 9600
-    data_bits: Annotated[int, Described("RS-232: 7 or 8 bits.", "8")] = 8
-    parity: Annotated[Parity, Described("RS-232: parity bit.", "none")] = Parity.NONE
-    stop_bits: Annotated[int, Described("RS-232: 1 or 2 stop bits.", "1")] = 1
-    flow_control: Annotated[FlowControl, Described("RS-232: handshake.", "none")] = FlowControl.NONE
 
     def __post_init__(self) -> None:
         if self.outputs < 1:
@@ -115,17 +108,6 @@ class ScpiSupplySettings:
             return re.compile(self.identity, re.IGNORECASE)
         except re.error as error:
             raise ValueError(f"identity '{self.identity}' is no regular expression: {error}") from None
-
-    @property
-    def line(self) -> SerialLine:
-        """The serial line's part."""
-        return SerialLine(
-            baud_rate=self.baud_rate,
-            data_bits=self.data_bits,
-            parity=self.parity,
-            stop_bits=self.stop_bits,
-            flow_control=self.flow_control,
-        )
 
 
 class ScpiSupply:

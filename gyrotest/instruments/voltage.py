@@ -1,13 +1,36 @@
 """What the settings of DC voltmeters have in common: range, integration time, noise of a mean."""
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
 
 from gyrotest.errors import InstrumentError
+from gyrotest.records.described import Described
 from gyrotest.records.station import Accuracy
-from gyrotest.units import Quantity
+from gyrotest.units import Dimension, OfDimension, Quantity
 
-RANGE_10_V = Quantity(10.0, "V")
+_RANGE_10_V = Quantity(10.0, "V")
 _RANGES_V = (0.1, 1.0, 10.0, 100.0, 1000.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeterSettings:
+    """The settings of a meter that measures DC volts, in a station beside the instrument's own."""
+
+    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
+
+    range: Annotated[
+        Quantity, OfDimension(Dimension.VOLTAGE), Described("Measuring range; never automatic.", "10 V")
+    ] = _RANGE_10_V
+    nplc: Annotated[float, Described("Integration time of a reading in power-line cycles.", "10")] = 10.0
+    autozero: Annotated[
+        bool,
+        Described("Measure the zero after each reading: half as fast, no drift over hours.", "true"),
+    ] = True
+    high_impedance: Annotated[
+        bool, Described("More than 10 GOhm input resistance up to 10 V, else 10 MOhm.", "true")
+    ] = True
 
 
 def check_range(voltage: Quantity) -> None:

@@ -110,9 +110,9 @@ def _default(place: Schema) -> str:
 
 
 def _written(value: Any) -> str:
-    """Return a value as it is written in a document."""
+    """Return a value as it is written in a document, a line end as its escape."""
     if isinstance(value, str):
-        return value
+        return value if value.isprintable() else json.dumps(value)
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{key}: {_written(one)}" for key, one in value.items()) + "}"
     if isinstance(value, list):
