@@ -8,6 +8,7 @@ import numpy as np
 from gyrotest.analysis.interval import deviation_bounds
 from gyrotest.analysis.reference_fit import delay_s
 from gyrotest.procedures.earth import earth_share, earth_words, of_earth
+from gyrotest.procedures.meter import missing_of_meter
 from gyrotest.procedures.scale_factor_recorded.reference_figures import reference_figures
 from gyrotest.procedures.scale_factor_recorded.reference_parameters import (
     ReferenceParameters,
@@ -20,7 +21,8 @@ from gyrotest.procedures.scale_factor_recorded.reference_record import (
 )
 from gyrotest.procedures.scale_factor_recorded.results import (
     in_proportion,
-    missing_of_meter,
+    missing_of_gain,
+    of_meter_at_zero,
     of_meter_gain,
     repeatability_result,
     scale_factor_measurands,
@@ -32,7 +34,7 @@ from gyrotest.procedures.wording import plain, rate_text
 from gyrotest.records.plan import Context, Plan, Reduction, Step
 from gyrotest.records.recording import Samples
 from gyrotest.records.result import Contribution, Measurand, Result
-from gyrotest.records.spec import Case, Output, OutputKind
+from gyrotest.records.spec import Case, Output
 from gyrotest.units import Dimension, Quantity
 
 _MATTERS = 1e-3
@@ -118,7 +120,7 @@ def _scale_factor(record: ReferenceRecord, parameters: ReferenceParameters, cont
         condition=f"{record.outputs.values.size} samples, reference {_range(record)} °/s",
         not_included=(
             *(("accuracy of the reference",) if share is None else ()),
-            *missing_of_meter(context),
+            *missing_of_gain(context),
         ),
     )
 
@@ -152,6 +154,7 @@ def _bias(
 ) -> Result:
     """Return `U0/SF` less the Earth's share (S3.3)."""
     fit, share_dps = record.fit, earth_share(context)
+    share = _reference_share(parameters, context)
     level_dps = fit.intercept / fit.slope
     offset = parameters.reference_offset
     if offset is None and context.table is not None:
@@ -170,7 +173,8 @@ def _bias(
             if offset is None
             else (rectangular(f"reference at rest, {offset}", "", "1", offset.to("deg/s")),)
         ),
-        *_of_meter_range(record, samples, context),
+        *(() if share is None else (in_proportion(f"reference, {share}", share, level_dps),)),
+        *of_meter_at_zero(record.outputs, samples.sampling, fit.slope, context),
         of_earth(share_dps),
     )
     found = expanded(budget)
@@ -185,18 +189,10 @@ def _bias(
         budget=budget,
         not_included=(
             *(("offset of the reference at rest",) if offset is None else ()),
-            *missing_of_meter(context),
+            *(("accuracy of the reference",) if share is None else ()),
+            *missing_of_meter(context, samples.sampling),
         ),
     )
-
-
-def _of_meter_range(
-    record: ReferenceRecord, samples: Samples, context: Context
-) -> Iterator[Contribution]:
-    accuracy, full = context.accuracy, samples.sampling.range
-    if accuracy is not None and full is not None and context.output.kind is OutputKind.VOLTAGE:
-        half = accuracy.of_range.to("") * full / abs(record.fit.slope)
-        yield rectangular(f"meter, {accuracy.of_range} of range", "", "", half)
 
 
 def _rms(record: ReferenceRecord) -> Result:

@@ -5,11 +5,13 @@ from collections.abc import Iterator
 
 from gyrotest.analysis.repeatability import repeatability
 from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.meter import meter_contributions
 from gyrotest.procedures.scale_factor_recorded.outputs import REPORTED, Outputs
-from gyrotest.procedures.scaling import SCALE_FACTORS
+from gyrotest.procedures.scaling import SCALE_FACTORS, Scaling
 from gyrotest.procedures.uncertainty import expanded, rectangular
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
+from gyrotest.records.recording import Sampling
 from gyrotest.records.result import Contribution, Measurand, Result
 from gyrotest.records.spec import Case, Output, OutputKind, Over
 from gyrotest.units import Dimension, Quantity, conversion_factor, printed_unit
@@ -67,6 +69,24 @@ def of_meter_gain(slope: float, context: Context) -> Iterator[Contribution]:
         yield in_proportion(f"meter, {share} of reading", share, slope)
 
 
+def of_meter_at_zero(
+    outputs: Outputs, sampling: Sampling, slope: float, context: Context
+) -> Iterator[Contribution]:
+    """Give the meter's shares of a bias, °/s.
+
+    Its gain makes slope and output at rest too large in the same proportion; what it makes of the nominal
+    output at rest remains, and its constant error.
+    """
+    zero = context.output.zero_rate
+    scaling = Scaling(
+        to_canonical=conversion_factor(sampling.unit, outputs.unit),
+        zero=0.0 if zero is None else zero.to(outputs.unit),
+        scale_factor=slope,
+        unit=outputs.unit,
+    )
+    yield from meter_contributions(context, sampling, scaling, slope=slope, indication=scaling.zero)
+
+
 def in_proportion(source: str, share: Quantity, slope: float) -> Contribution:
     """Return what a relative error of something makes of a slope."""
     relative = share.to("")
@@ -75,8 +95,8 @@ def in_proportion(source: str, share: Quantity, slope: float) -> Contribution:
     )
 
 
-def missing_of_meter(context: Context) -> Iterator[str]:
-    """Give what is not known of a meter that read a voltage."""
+def missing_of_gain(context: Context) -> Iterator[str]:
+    """Give what is not known of the gain of a meter that read a voltage."""
     if context.output.kind is OutputKind.VOLTAGE and context.accuracy is None:
         yield "accuracy of the meter"
 

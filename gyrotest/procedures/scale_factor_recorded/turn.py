@@ -9,11 +9,13 @@ import numpy as np
 from gyrotest.analysis.turn import Parts, TurnIntegral, find_rests, turn_integral
 from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.earth import earth_share, earth_words, of_earth
+from gyrotest.procedures.meter import missing_of_meter
 from gyrotest.procedures.scale_factor_recorded.clipping import refuse_clipped_turn
 from gyrotest.procedures.scale_factor_recorded.outputs import Outputs, recorded_outputs
 from gyrotest.procedures.scale_factor_recorded.results import (
     in_proportion,
-    missing_of_meter,
+    missing_of_gain,
+    of_meter_at_zero,
     of_meter_gain,
     repeatability_result,
     scale_factor_measurands,
@@ -25,7 +27,7 @@ from gyrotest.procedures.scale_factor_recorded.turn_parameters import TurnParame
 from gyrotest.procedures.uncertainty import by_statistics, expanded, rectangular
 from gyrotest.procedures.wording import plain, rate_text
 from gyrotest.records.plan import Context, Plan, Reduction, Step
-from gyrotest.records.recording import Samples
+from gyrotest.records.recording import Samples, Sampling
 from gyrotest.records.result import Contribution, Measurand, Result
 from gyrotest.records.spec import Case, Output
 from gyrotest.units import Dimension
@@ -82,7 +84,11 @@ class ScaleFactorTurn:
         refuse_clipped_turn(outputs, parts, found.rest_level, context)
         scale_factor = _scale_factor(turned, parameters, context)
         return Reduction(
-            results=(scale_factor, _bias(turned, scale_factor, context), _difference(turned)),
+            results=(
+                scale_factor,
+                _bias(turned, samples.sampling, scale_factor, context),
+                _difference(turned),
+            ),
             figures=(turn_figure(outputs, parts, found, turned.slope, turned.angle_deg),),
             remarks=(
                 *sign_remarks(turned.slope, context, against="the sign given to the turn"),
@@ -167,7 +173,7 @@ def _scale_factor(turned: _Turned, parameters: TurnParameters, context: Context)
         not_included=(
             *(("angle of the turn",) if parameters.angle_uncertainty is None else ()),
             *(("sampling rate",) if parameters.time_uncertainty is None else ()),
-            *missing_of_meter(context),
+            *missing_of_gain(context),
         ),
     )
 
@@ -189,7 +195,7 @@ def _of_angle(turned: _Turned, parameters: TurnParameters) -> Iterator[Contribut
         )
 
 
-def _bias(turned: _Turned, scale_factor: Result, context: Context) -> Result:
+def _bias(turned: _Turned, sampling: Sampling, scale_factor: Result, context: Context) -> Result:
     """Return the output at rest as a rate, less the Earth's share."""
     found, slope = turned.found, turned.slope
     of_slope = (scale_factor.expanded_uncertainty or 0.0) / (scale_factor.coverage_factor or 1.0)
@@ -198,6 +204,7 @@ def _bias(turned: _Turned, scale_factor: Result, context: Context) -> Result:
     budget = (
         by_statistics("noise at rest", found.rest_level_uncertainty / abs(slope), found.rest_freedom),
         by_statistics("scale factor, as found", abs(level_dps / slope) * of_slope),
+        *of_meter_at_zero(turned.outputs, sampling, slope, context),
         of_earth(share_dps),
     )
     total = expanded(budget)
@@ -210,7 +217,9 @@ def _bias(turned: _Turned, scale_factor: Result, context: Context) -> Result:
         coverage_factor=total.factor,
         condition=f"between the rests; {earth_words(share_dps)}",
         budget=budget,
-        not_included=scale_factor.not_included,
+        not_included=tuple(
+            dict.fromkeys((*scale_factor.not_included, *missing_of_meter(context, sampling)))
+        ),
     )
 
 

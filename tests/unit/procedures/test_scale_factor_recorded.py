@@ -112,9 +112,15 @@ def test_a_reference_gives_the_scale_factor_in_the_outputs_unit(kind, sign):
 def test_the_bias_is_the_level_of_the_line_less_the_earths_share():
     found = ScaleFactorReference().reduce(
         samples(moving(-0.9, level_dps=0.5)),
-        context(ReferenceParameters(reference_offset=quantity(0.01, "deg/s"))),
+        context(
+            ReferenceParameters(
+                reference_offset=quantity(0.01, "deg/s"), reference_uncertainty=quantity(1.0, "%")
+            )
+        ),
     )
     bias = result(found, "bias")
+    of_reference = source(bias, "reference, 1 %").standard_uncertainty
+    assert of_reference == pytest.approx(0.01 * 0.5 / np.sqrt(3.0), rel=0.05)
     share = 15.041 / 3600.0 * np.sin(np.radians(48.0))
     assert abs(bias.value - (0.5 - share)) < bias.expanded_uncertainty
     assert bias.not_included == ()
@@ -140,11 +146,38 @@ def test_the_nominal_zero_is_taken_off_and_a_sign_other_than_the_specs_is_told()
     assert meter.standard_uncertainty == pytest.approx(0.01 * 0.02 / np.sqrt(3.0), rel=1e-2)
 
 
+@pytest.mark.parametrize("procedure", [ScaleFactorReference, ScaleFactorTurn])
+def test_what_the_meter_makes_of_the_nominal_zero_is_in_the_bias(procedure):
+    """A gain error g of the meter leaves the ratio of level and slope as it is, and moves 2.5 V by g·2.5 V."""
+    columns = 2.5 + (moving(0.02) if procedure is ScaleFactorReference else a_turn(0.02))
+    columns[:, 1:] -= 2.5
+    output = Output(kind=OutputKind.VOLTAGE, zero_rate=quantity(2.5, "V"))
+    accuracy = Accuracy(of_reading=quantity(0.01, "%"), of_range=quantity(20.0, "ppm"))
+    parameters = ReferenceParameters() if procedure is ScaleFactorReference else turn_parameters()
+    plain = samples(columns, OutputKind.VOLTAGE)
+    ranged = dataclasses.replace(plain, sampling=dataclasses.replace(plain.sampling, range=10.0))
+    bias = result(
+        procedure().reduce(ranged, context(parameters, output=output, accuracy=accuracy)), "bias"
+    )
+    for begins, half_v in (("meter, 0.01 % of reading", 250e-6), ("meter, 20 ppm of range", 200e-6)):
+        found = source(bias, begins).standard_uncertainty
+        assert found == pytest.approx(half_v / 0.02 / np.sqrt(3.0), rel=0.01)
+    unranged = result(
+        procedure().reduce(plain, context(parameters, output=output, accuracy=accuracy)), "bias"
+    )
+    assert "accuracy of the meter's range (range not known)" in unranged.not_included
+
+
 def test_what_is_not_known_is_named():
     found = ScaleFactorReference().reduce(
         samples(moving(0.02), OutputKind.VOLTAGE), context(ReferenceParameters(), OutputKind.VOLTAGE)
     )
     assert result(found, "scale_factor").not_included == (
+        "accuracy of the reference",
+        "accuracy of the meter",
+    )
+    assert result(found, "bias").not_included == (
+        "offset of the reference at rest",
         "accuracy of the reference",
         "accuracy of the meter",
     )
