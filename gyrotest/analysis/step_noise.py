@@ -15,7 +15,7 @@ from gyrotest.analysis.slow_modes import slow_modes
 from gyrotest.errors import InsufficientDataError
 
 SHORTEST_STEP = 16
-"""Samples below which a step's noise is not looked at."""
+"""Samples that a step is planned with at least; half of them may be lost or be outliers."""
 
 _Array = NDArray[np.float64]
 _Integral = Callable[[_Array], _Array]
@@ -23,6 +23,7 @@ _WHITE, _WALK = 1, 3
 _RESOLVED = 2.0
 _ROUNDS = 60
 _SAME = 1e-9
+_FEWEST = SHORTEST_STEP // 2
 _PRUDENCE = np.array([0.0, 0.0, 0.1, 0.02])
 _FEWEST_FREEDOM = 5.0
 
@@ -92,7 +93,7 @@ def step_noise(steps: Sequence[_Array], grid: Grid, *, like: LikeSteps | None = 
     Raises
     ------
     InsufficientDataError
-        A step of fewer than 16 samples, or steps without any noise.
+        A step of fewer than 8 samples, or steps without any noise.
 
     Notes
     -----
@@ -101,9 +102,9 @@ def step_noise(steps: Sequence[_Array], grid: Grid, *, like: LikeSteps | None = 
     weights from the model, until these stay.
     """
     shortest = min((one.size for one in steps), default=0)
-    if shortest < SHORTEST_STEP:
+    if shortest < _FEWEST:
         raise InsufficientDataError(
-            f"a step of {shortest} samples; the uncertainty of a step's mean needs at least {SHORTEST_STEP}"
+            f"a step of {shortest} samples; the uncertainty of a step's mean needs at least {_FEWEST}"
         )
     modes = [slow_modes(one, grid) for one in steps]
     power = np.concatenate([one.mode_dps**2 for one in modes])

@@ -70,7 +70,7 @@ def test_flicker_between_steps_is_not_understated_by_independence() -> None:
 @pytest.mark.parametrize(
     ("steps", "message"),
     [
-        ([np.zeros(15)], "at least 16"),
+        ([np.zeros(7)], "at least 8"),
         ([np.ones(100), np.zeros(100)], "all the same"),
         ([], "a step of 0 samples"),
     ],

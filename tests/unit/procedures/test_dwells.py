@@ -186,3 +186,18 @@ class TestRails:
     def test_a_constant_is_at_its_limit_or_stuck(self) -> None:
         assert rail_of(np.full(10, 4.0)).all()
         assert rail_of(np.empty(0)).size == 0
+
+
+def test_a_step_of_the_fewest_samples_may_lose_some_of_them() -> None:
+    plan = plan_of(table_case(duration=Quantity(1.6, "s")))
+    samples = samples_of_turns(STILL, plan)
+    values = samples.values.copy()
+    values[20, 0] += 1.0
+    kept = np.ones(values.shape[0], dtype=bool)
+    kept[[33, 36, 40, 41, 47]] = False
+    short = dataclasses.replace(
+        samples, values=values[kept], flags=samples.flags[kept], index=np.flatnonzero(kept)
+    )
+    records = dwell_records(short, table_context(plan))
+    assert [one.kept for one in records[:4]] == [16, 15, 11, 16]
+    assert 0.0 < noise_of(records).of_mean(records[2].duration_s).value < (0.05 * 0.01) ** 2
