@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from gyrotest.analysis.resolution import digital_step, mean_half_width
 from gyrotest.analysis.step_noise import SHORTEST_STEP
+from gyrotest.procedures.case_plan import step_samples
 from gyrotest.procedures.dwells import DwellRecord
 from gyrotest.procedures.outlier_rule import OutlierRule
 from gyrotest.procedures.scaling import nominal_complaints
@@ -98,16 +99,6 @@ def table_complaints(
         yield "parameters.outlier_mads", message
 
 
-def step_samples(case: Case) -> int:
-    """Return how many samples a step has: the case's duration is that of each step."""
-    return round(case.duration.to("s") / case.interval.to("s"))
-
-
-def warm_up_s(case: Case) -> float:
-    """Return the time from power-on to the first sample."""
-    return 0.0 if case.warm_up is None else case.warm_up.to("s")
-
-
 def missing_of_table(context: Context) -> tuple[str, ...]:
     """Give what could not be had of the rate table's accuracy."""
     if context.table is None:
@@ -125,8 +116,3 @@ def rounding_covariance(means: tuple[DwellRecord, ...]) -> NDArray[np.float64]:
 def _half_step(record: DwellRecord) -> float:
     step = digital_step(record.output)
     return 0.0 if step is None else mean_half_width(step, float(record.output.std(ddof=1)))
-
-
-def since_power_on_s(context: Context) -> float:
-    """Return the time from power-on to the record's begin; where not known, the warm-up."""
-    return warm_up_s(context.case) if context.since_power_on_s is None else context.since_power_on_s

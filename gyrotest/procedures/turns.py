@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from gyrotest.analysis.scale_factor import Linear, StepFit, fit_steps
 from gyrotest.analysis.step_noise import StepNoise, Variance, mean_covariances
 from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.case_plan import since_power_on_s
 from gyrotest.procedures.dwells import DwellRecord, dwell_records, noise_of
 from gyrotest.procedures.outlier_rule import OutlierRule
 from gyrotest.procedures.scaling import Scaling
-from gyrotest.procedures.table_steps import rounding_covariance, since_power_on_s
+from gyrotest.procedures.table_steps import rounding_covariance
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import Samples
 

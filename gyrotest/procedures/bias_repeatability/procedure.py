@@ -7,11 +7,12 @@ from typing import Any, ClassVar
 from gyrotest.analysis.noise import SHORTEST_RECORD, identify_noise
 from gyrotest.procedures.bias_repeatability.cycles_figure import cycles_figure
 from gyrotest.procedures.bias_repeatability.over_cycles import mean_result
+from gyrotest.procedures.case_plan import single_step_plan, step_samples
 from gyrotest.procedures.rest.bias import bias_result
 from gyrotest.procedures.rest.bias_over_repeats import bias_over_repeats, bias_spread, biases
 from gyrotest.procedures.rest.record import rest_record
 from gyrotest.procedures.scaling import nominal_complaints
-from gyrotest.records.plan import Context, Plan, Reduction, Step
+from gyrotest.records.plan import Context, Plan, Reduction
 from gyrotest.records.recording import Samples
 from gyrotest.records.result import Measurand, Result
 from gyrotest.records.spec import Between, Case, Output, Over
@@ -62,7 +63,7 @@ class BiasRepeatability:
         if case.repeats < _FEWEST:
             message = f"{case.repeats} has no spread; write e.g. 'repeats: {ADVISED}', {ADVISED} to 7 are usual"
             yield "repeats", message
-        samples = round(case.duration.to("s") / case.interval.to("s"))
+        samples = step_samples(case)
         if samples < SHORTEST_RECORD:
             shortest = SHORTEST_RECORD * case.interval.to("s")
             yield (
@@ -74,12 +75,7 @@ class BiasRepeatability:
     def plan(self, case: Case, parameters: BiasRepeatabilityParameters) -> Plan:
         """Return the acquisition of one cycle: after the warm-up, one record at rest."""
         del parameters
-        interval_s = case.interval.to("s")
-        return Plan(
-            warm_up_s=0.0 if case.warm_up is None else case.warm_up.to("s"),
-            interval_s=interval_s,
-            steps=(Step(samples=round(case.duration.to("s") / interval_s)),),
-        )
+        return single_step_plan(case)
 
     def reduce(self, samples: Samples, context: Context) -> Reduction:
         """Return the bias of one cycle; raises `InsufficientDataError`."""

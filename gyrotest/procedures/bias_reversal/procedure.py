@@ -9,8 +9,8 @@ from gyrotest.procedures.bias_reversal.parameters import (
     reversal_measurands,
 )
 from gyrotest.procedures.bias_reversal.reversal import measured_reversal, reversal_result
+from gyrotest.procedures.case_plan import plan_of_steps, step_samples
 from gyrotest.procedures.step_table import dropped_samples, steps_figure
-from gyrotest.procedures.table_steps import step_samples, warm_up_s
 from gyrotest.records.plan import Context, Plan, Reduction
 from gyrotest.records.recording import Samples
 from gyrotest.records.result import Measurand, Result
@@ -38,14 +38,11 @@ class BiasReversal:
     def plan(self, case: Case, parameters: BiasReversalParameters) -> Plan:
         """Return the acquisition of one repeat: forward, backward."""
         rate_dps, samples = parameters.rate.to("deg/s"), step_samples(case)
-        return Plan(
-            warm_up_s=warm_up_s(case),
-            interval_s=case.interval.to("s"),
-            steps=(
-                parameters.step("forward", rate_dps, samples),
-                parameters.step("backward", -rate_dps, samples),
-            ),
+        steps = (
+            parameters.step("forward", rate_dps, samples),
+            parameters.step("backward", -rate_dps, samples),
         )
+        return plan_of_steps(case, steps)
 
     def reduce(self, samples: Samples, context: Context) -> Reduction:
         """Return the bias of one acquisition; raises `InsufficientDataError`."""

@@ -4,12 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from gyrotest.procedures.table_steps import (
-    TableParameters,
-    step_samples,
-    table_complaints,
-    warm_up_s,
-)
+from gyrotest.procedures.case_plan import plan_of_steps, step_samples
+from gyrotest.procedures.table_steps import TableParameters, table_complaints
 from gyrotest.records.described import Described
 from gyrotest.records.plan import Plan
 from gyrotest.records.spec import Case, Output
@@ -52,15 +48,12 @@ class CompensationParameters(TableParameters):
 def compensation_plan(case: Case, parameters: CompensationParameters) -> Plan:
     """Return a step at rest, one at each rate, and one at rest again."""
     samples = step_samples(case)
-    return Plan(
-        warm_up_s=warm_up_s(case),
-        interval_s=case.interval.to("s"),
-        steps=(
-            parameters.step("rest before", 0.0, samples),
-            *(parameters.step("verification", one, samples) for one in parameters.signed_rates_dps),
-            parameters.step("rest after", 0.0, samples),
-        ),
+    steps = (
+        parameters.step("rest before", 0.0, samples),
+        *(parameters.step("verification", one, samples) for one in parameters.signed_rates_dps),
+        parameters.step("rest after", 0.0, samples),
     )
+    return plan_of_steps(case, steps)
 
 
 def compensation_complaints(

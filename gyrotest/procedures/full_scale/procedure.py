@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from gyrotest.procedures.case_plan import plan_of_steps, step_samples
 from gyrotest.procedures.full_scale.parameters import (
     FullScaleParameters,
     range_complaints,
@@ -11,7 +12,6 @@ from gyrotest.procedures.full_scale.parameters import (
 from gyrotest.procedures.full_scale.reach import measured_reaches
 from gyrotest.procedures.full_scale.results import range_figure, range_results, saturation_remarks
 from gyrotest.procedures.step_table import dropped_samples, steps_figure
-from gyrotest.procedures.table_steps import step_samples, warm_up_s
 from gyrotest.records.plan import Context, Plan, Reduction, Step
 from gyrotest.records.recording import Samples
 from gyrotest.records.result import Measurand, Result
@@ -38,11 +38,7 @@ class FullScale:
 
     def plan(self, case: Case, parameters: FullScaleParameters) -> Plan:
         """Return the acquisition of one repeat: at rest, every rate both ways, at rest."""
-        return Plan(
-            warm_up_s=warm_up_s(case),
-            interval_s=case.interval.to("s"),
-            steps=tuple(_steps(case, parameters)),
-        )
+        return plan_of_steps(case, tuple(_steps(case, parameters)))
 
     def reduce(self, samples: Samples, context: Context) -> Reduction:
         """Return the ranges of one acquisition; raises `InsufficientDataError`."""

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from gyrotest.analysis.mean import mean_uncertainty
 from gyrotest.analysis.noise import NoiseModel
 from gyrotest.analysis.resolution import mean_half_width
+from gyrotest.procedures.case_plan import since_power_on_s
 from gyrotest.procedures.earth import of_earth
 from gyrotest.procedures.meter import meter_contributions, missing_of_meter
 from gyrotest.procedures.rest.record import RestRecord
@@ -47,12 +48,8 @@ def missing_contributions(record: RestRecord, context: Context) -> Iterator[str]
 
 
 def _statistical(record: RestRecord, model: NoiseModel, context: Context) -> Contribution:
-    since_s = context.since_power_on_s
-    if since_s is None:
-        since_s = 0.0 if context.case.warm_up is None else context.case.warm_up.to("s")
-    found = mean_uncertainty(
-        model, duration_s=record.duration_s, since_power_on_s=since_s + record.begin_s
-    )
+    since_s = since_power_on_s(context) + record.begin_s
+    found = mean_uncertainty(model, duration_s=record.duration_s, since_power_on_s=since_s)
     return by_statistics(
         f"noise and drift over {plain(record.duration_s, 6)} s",
         found.standard_uncertainty_dps,

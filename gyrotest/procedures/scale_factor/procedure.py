@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from gyrotest.procedures.case_plan import plan_of_steps, step_samples
 from gyrotest.procedures.scale_factor.figures import turn_figures
 from gyrotest.procedures.scale_factor.over_repeats import scale_factor_repeatability
 from gyrotest.procedures.scale_factor.parameters import (
@@ -12,7 +13,6 @@ from gyrotest.procedures.scale_factor.parameters import (
 )
 from gyrotest.procedures.scale_factor.remarks import turn_remarks
 from gyrotest.procedures.scale_factor.results import turn_results
-from gyrotest.procedures.table_steps import step_samples, warm_up_s
 from gyrotest.procedures.turns import measured_turns
 from gyrotest.records.plan import Context, Plan, Reduction, Step
 from gyrotest.records.recording import Samples
@@ -40,11 +40,7 @@ class ScaleFactor:
 
     def plan(self, case: Case, parameters: ScaleFactorParameters) -> Plan:
         """Return the acquisition of one repeat: at rest, every rate, at rest."""
-        return Plan(
-            warm_up_s=warm_up_s(case),
-            interval_s=case.interval.to("s"),
-            steps=tuple(_steps(case, parameters)),
-        )
+        return plan_of_steps(case, tuple(_steps(case, parameters)))
 
     def reduce(self, samples: Samples, context: Context) -> Reduction:
         """Return results and figures of one acquisition; raises `InsufficientDataError`."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from gyrotest.analysis.interval import deviation_bounds
 from gyrotest.analysis.reference_fit import delay_s
+from gyrotest.procedures.case_plan import single_step_plan
 from gyrotest.procedures.earth import earth_share, earth_words, of_earth
 from gyrotest.procedures.meter import missing_of_meter
 from gyrotest.procedures.scale_factor_recorded.reference_figures import reference_figures
@@ -31,7 +32,7 @@ from gyrotest.procedures.scale_factor_recorded.results import (
 )
 from gyrotest.procedures.uncertainty import by_statistics, expanded, rectangular
 from gyrotest.procedures.wording import plain, rate_text
-from gyrotest.records.plan import Context, Plan, Reduction, Step
+from gyrotest.records.plan import Context, Plan, Reduction
 from gyrotest.records.recording import Samples
 from gyrotest.records.result import Contribution, Measurand, Result
 from gyrotest.records.spec import Case, Output
@@ -68,13 +69,7 @@ class ScaleFactorReference:
 
     def plan(self, case: Case, parameters: ReferenceParameters) -> Plan:
         """Return the acquisition of one repeat: a single step, whatever moves the gyro."""
-        interval_s = case.interval.to("s")
-        return Plan(
-            auxiliary=(parameters.reference,),
-            warm_up_s=0.0 if case.warm_up is None else case.warm_up.to("s"),
-            interval_s=interval_s,
-            steps=(Step(samples=round(case.duration.to("s") / interval_s)),),
-        )
+        return single_step_plan(case, auxiliary=(parameters.reference,))
 
     def reduce(self, samples: Samples, context: Context) -> Reduction:
         """Return results and figures of one acquisition; raises `InsufficientDataError`."""

@@ -6,6 +6,7 @@ from enum import StrEnum
 from typing import Annotated, ClassVar
 
 from gyrotest.analysis.reference_fit import FEWEST_SAMPLES
+from gyrotest.procedures.case_plan import step_samples
 from gyrotest.records.described import Described
 from gyrotest.records.spec import Case
 from gyrotest.units import Dimension, OfDimension, Quantity
@@ -61,7 +62,7 @@ class ReferenceParameters:
 
 def reference_complaints(case: Case, parameters: ReferenceParameters) -> Iterator[tuple[str, str]]:
     """Give what is wrong with a case beyond its types: key and message."""
-    samples = round(case.duration.to("s") / case.interval.to("s"))
+    samples = step_samples(case)
     if not 0 <= parameters.leave_out <= samples - FEWEST_SAMPLES:
         yield (
             "parameters.leave_out" if samples >= FEWEST_SAMPLES else "duration",

@@ -8,6 +8,7 @@ import numpy as np
 
 from gyrotest.analysis.turn import Parts, TurnIntegral, find_rests, turn_integral
 from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.case_plan import single_step_plan
 from gyrotest.procedures.earth import earth_share, earth_words, of_earth
 from gyrotest.procedures.meter import missing_of_meter
 from gyrotest.procedures.scale_factor_recorded.clipping import refuse_clipped_turn
@@ -26,7 +27,7 @@ from gyrotest.procedures.scale_factor_recorded.turn_figures import turn_figure
 from gyrotest.procedures.scale_factor_recorded.turn_parameters import TurnParameters, turn_complaints
 from gyrotest.procedures.uncertainty import by_statistics, expanded, rectangular
 from gyrotest.procedures.wording import plain, rate_text
-from gyrotest.records.plan import Context, Plan, Reduction, Step
+from gyrotest.records.plan import Context, Plan, Reduction
 from gyrotest.records.recording import Samples, Sampling
 from gyrotest.records.result import Contribution, Measurand, Result
 from gyrotest.records.spec import Case, Output
@@ -63,12 +64,7 @@ class ScaleFactorTurn:
     def plan(self, case: Case, parameters: TurnParameters) -> Plan:
         """Return the acquisition of one repeat: a single step, in which somebody turns the gyro."""
         del parameters
-        interval_s = case.interval.to("s")
-        return Plan(
-            warm_up_s=0.0 if case.warm_up is None else case.warm_up.to("s"),
-            interval_s=interval_s,
-            steps=(Step(samples=round(case.duration.to("s") / interval_s)),),
-        )
+        return single_step_plan(case)
 
     def reduce(self, samples: Samples, context: Context) -> Reduction:
         """Return results and figures of one acquisition; raises `InsufficientDataError`."""

@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from typing import Any
 
+from gyrotest.procedures.case_plan import single_step_plan
+from gyrotest.procedures.recorded_temperature import SENSOR
 from gyrotest.procedures.rest.bias import bias_result
 from gyrotest.procedures.rest.bias_over_repeats import bias_over_repeats
 from gyrotest.procedures.rest.record import rest_record
@@ -20,7 +22,7 @@ from gyrotest.procedures.static.parameters import (
     static_complaints,
     static_measurands,
 )
-from gyrotest.records.plan import Context, Plan, Reduction, Step
+from gyrotest.records.plan import Context, Plan, Reduction
 from gyrotest.records.recording import Samples
 from gyrotest.records.result import Measurand, Result
 from gyrotest.records.spec import Case, Output
@@ -48,12 +50,7 @@ class Static:
     def plan(self, case: Case, parameters: StaticParameters) -> Plan:
         """Return the acquisition of one repeat."""
         del parameters
-        interval_s = case.interval.to("s")
-        return Plan(
-            warm_up_s=0.0 if case.warm_up is None else case.warm_up.to("s"),
-            interval_s=interval_s,
-            steps=(Step(samples=round(case.duration.to("s") / interval_s)),),
-        )
+        return single_step_plan(case, auxiliary=(SENSOR,))
 
     def reduce(self, samples: Samples, context: Context) -> Reduction:
         """Return results and figures of one acquisition; raises `InsufficientDataError`."""

@@ -5,12 +5,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, ClassVar
 
-from gyrotest.procedures.table_steps import (
-    TableParameters,
-    step_samples,
-    table_complaints,
-    warm_up_s,
-)
+from gyrotest.procedures.case_plan import plan_of_steps, step_samples
+from gyrotest.procedures.table_steps import TableParameters, table_complaints
 from gyrotest.records.described import Described
 from gyrotest.records.plan import Plan, Step, Turning
 from gyrotest.records.spec import Case, Output
@@ -75,19 +71,13 @@ def small_step_plan(case: Case, parameters: ThresholdParameters) -> Plan:
     """Return up-and-down steps, level by level, from the rate around which is tried and back to it."""
     sizes = parameters.sizes_dps
     first = _step(case, parameters, "base", 0.0, sizes[0])
-    return Plan(
-        warm_up_s=warm_up_s(case),
-        interval_s=case.interval.to("s"),
-        steps=(
-            first,
-            *(
-                _step(case, parameters, name, sign * size, size)
-                for size in sizes
-                for _ in range(parameters.steps)
-                for name, sign in (("up", 1.0), ("base", 0.0), ("down", -1.0), ("base", 0.0))
-            ),
-        ),
+    changes = (
+        _step(case, parameters, name, sign * size, size)
+        for size in sizes
+        for _ in range(parameters.steps)
+        for name, sign in (("up", 1.0), ("base", 0.0), ("down", -1.0), ("base", 0.0))
     )
+    return plan_of_steps(case, (first, *changes))
 
 
 def _step(
