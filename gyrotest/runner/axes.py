@@ -51,7 +51,7 @@ def axis_samples(recording: Path, sampling: Sampling, axis: str, plan: Plan) -> 
     beside = {
         place: one
         for place, one in enumerate(sampling.auxiliary, start=len(sampling.channels))
-        if one.name.startswith(plan.auxiliary)
+        if one.name.startswith(plan.auxiliary) and not _of_another(one.name, axis, sampling)
     }
     columns, offsets = (column, *beside), sampling.offsets_s
     of_axis = replace(
@@ -61,6 +61,11 @@ def axis_samples(recording: Path, sampling: Sampling, axis: str, plan: Plan) -> 
         offsets_s=tuple(offsets[place] for place in columns) if offsets else (),
     )
     return read_samples(recording, columns=columns, sampling=of_axis)
+
+
+def _of_another(name: str, axis: str, sampling: Sampling) -> bool:
+    """Whether a channel beside the outputs belongs to another axis: `temperature_x` to x."""
+    return any(name.endswith(f"_{other}") for other in sampling.channels if other != axis)
 
 
 def axis_results(attempt: Attempt, axis: str) -> tuple[Result, ...]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from gyrotest.acquisition.acquire import Acquisition
 from gyrotest.acquisition.progress import Coming, Progress
 from gyrotest.acquisition.tracks import Track
-from gyrotest.errors import GyrotestError
+from gyrotest.errors import AcquisitionError, GyrotestError, InstrumentError
 from gyrotest.ports import DigitalGyro, Playback, Remarking
 from gyrotest.records.recording import Identity, Recording, RecordingHeader, Sampling
 from gyrotest.records.run import Attempt, Origin, Outcome, PlannedItem, RunHeader
@@ -77,10 +77,20 @@ class Taking:
             shares = self._configured(opened)
             self._make_ready(opened, shares[0].sampling)
             self._record(opened, shares)
-        except GyrotestError:
+        except GyrotestError as fault:
             self._bench.drop(opened)
             self._bench.put_down_table(self._first.slot)
+            self._blame_power(fault)
             raise
+
+    def _blame_power(self, fault: GyrotestError) -> None:
+        """Tell of a supply that failed what it has brought about; it is off then, and switched on anew."""
+        for part in self._parts:
+            try:
+                self._bench.check_power(part.slot)
+            except InstrumentError as cause:
+                if str(cause) not in str(fault):
+                    raise AcquisitionError(f"{cause}; what came of it: {fault}") from fault
 
     def _cycle_power(self) -> None:
         """Switch the units off and on between two repeats, where the case asks for it."""

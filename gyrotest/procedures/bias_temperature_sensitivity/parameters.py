@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from gyrotest.analysis.step_noise import SHORTEST_STEP
+from gyrotest.procedures.recorded_temperature import SENSOR
 from gyrotest.records.described import Described
 from gyrotest.records.plan import Plan, Soaking, Step
 from gyrotest.records.spec import Case
@@ -70,7 +71,7 @@ def temperature_plan(case: Case, parameters: TemperatureParameters) -> Plan:
     """Return one record at rest at each set point."""
     interval_s = case.interval.to("s")
     return Plan(
-        auxiliary=("temperature",),
+        auxiliary=(SENSOR,),
         warm_up_s=0.0 if case.warm_up is None else case.warm_up.to("s"),
         interval_s=interval_s,
         steps=tuple(

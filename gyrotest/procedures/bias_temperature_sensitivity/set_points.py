@@ -15,12 +15,10 @@ from gyrotest.procedures.bias_temperature_sensitivity.parameters import (
 )
 from gyrotest.procedures.dwells import DwellRecord, dwell_records, noise_of, sample_places
 from gyrotest.procedures.earth import earth_share
+from gyrotest.procedures.recorded_temperature import sensor_column
 from gyrotest.procedures.table_steps import rounding_covariance
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import Samples
-from gyrotest.units import same_dimension
-
-_SENSOR = "temperature"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,7 +155,7 @@ def _temperatures(
     samples: Samples, context: Context, records: tuple[DwellRecord, ...]
 ) -> tuple[Reader, NDArray[np.float64]]:
     """Return what measured the temperatures, and their means: a sensor that was recorded, or the chamber."""
-    column = _sensor_column(samples, context.axis)
+    column = sensor_column(samples.sampling, context.axis)
     if column is not None:
         means = [float(one.mean()) for one in _parts(samples, context, column)]
         return Reader(name="recorded sensor", chamber=False), np.array(means)
@@ -166,16 +164,6 @@ def _temperatures(
         demanded = np.array([_demanded(one) for one in records])
         return Reader(name="set points, not read back", chamber=True), demanded
     return Reader(name="chamber's reading", chamber=True), np.array(read, dtype=np.float64)
-
-
-def _sensor_column(samples: Samples, axis: str) -> int | None:
-    """Return the column of a recorded temperature in °C, the axis's own before a common one."""
-    sampling = samples.sampling
-    for name in (f"{_SENSOR}_{axis}", _SENSOR):
-        for place, one in enumerate(sampling.auxiliary):
-            if one.name == name and same_dimension(one.unit, "degC"):
-                return len(sampling.channels) + place
-    return None
 
 
 def _parts(samples: Samples, context: Context, column: int) -> Iterator[NDArray[np.float64]]:

@@ -10,6 +10,7 @@ from gyrotest.analysis.continuity import Stretch, stretches_by_index, stretches_
 from gyrotest.analysis.noise import SHORTEST_RECORD
 from gyrotest.analysis.resolution import digital_step
 from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.recorded_temperature import sensor_column
 from gyrotest.procedures.rest.soundness import refuse_bad, refuse_lifeless, rounding_complaint
 from gyrotest.procedures.scaling import Scaling, output_scaling
 from gyrotest.procedures.wording import plain
@@ -27,7 +28,8 @@ class RestRecord:
     """A stretch of evenly spaced rates that begins `begin_s` after the recording's first sample.
 
     `floor_dps` is the meter's own noise of a sample and `step_dps` what it is digitised in, where known;
-    `rounding` says why the steps hide the gyro's noise, where they do.
+    `rounding` says why the steps hide the gyro's noise, where they do. `temperature_degc` was recorded
+    beside (None: was not; single readings may be missing).
     """
 
     rate_dps: NDArray[np.float64]
@@ -37,6 +39,7 @@ class RestRecord:
     floor_dps: float | None
     step_dps: float | None
     rounding: str
+    temperature_degc: NDArray[np.float64] | None
     missing: int
     condition: str
     remarks: tuple[str, ...]
@@ -75,6 +78,7 @@ def rest_record(samples: Samples, context: Context, *, window: Window | None = N
     step = digital_step(values)
     refuse_lifeless(values, sampling, used.start)
     scaling = output_scaling(context.output, sampling.unit)
+    sensor = sensor_column(sampling, context.axis)
     whole = len(stretches) == 1
     note = "" if whole else f"longest gap-free stretch, {used.size} of {part.size} samples"
     return RestRecord(
@@ -85,6 +89,7 @@ def rest_record(samples: Samples, context: Context, *, window: Window | None = N
         floor_dps=None if sampling.noise is None else scaling.spread_dps(sampling.noise),
         step_dps=None if step is None else scaling.spread_dps(step),
         rounding=rounding_complaint(values, step, sampling.unit),
+        temperature_degc=None if sensor is None else samples.values[used.start : used.stop, sensor],
         missing=_missing(samples, context),
         condition=note,
         remarks=()

@@ -14,7 +14,10 @@ from gyrotest.records.figure import Band, Bars, Curve, Figure, Panel, Role, Widt
 _MEAN_S = 60.0
 _HISTOGRAM_BINS = 36
 _MEANS_HEIGHT = 0.7
+_TEMPERATURE_HEIGHT = 0.5
+_TEMPERATURES = 300
 _HISTOGRAM_HEIGHT = 1.79  # that of the record's panels and the space between them
+_MORE_HEIGHT = 0.59  # with a panel of the temperature
 _BLOCK = 65536
 
 
@@ -27,6 +30,7 @@ def record_figure(record: RestRecord) -> Figure:
     panels = (
         _band_panel(record, bins, rate, time),
         *_mean_panels(record, rate, time, mean),
+        *_temperature_panels(record, time),
     )
     shown = (
         "the samples" if bins.size == 1 else f"shaded: minimum to maximum of every {bins.size} samples"
@@ -39,10 +43,11 @@ def record_figure(record: RestRecord) -> Figure:
         note=_record_note(record),
         caption=f"Output rate; {shown} (none hidden); line: their mean."
         + (
-            f" Bottom: means of {plain(_panel_mean_s(record), 6)} s; dotted: mean of the record."
-            if len(panels) > 1
+            f" Below: means of {plain(_panel_mean_s(record), 6)} s; dotted: mean of the record."
+            if record.rate_dps.size >= 2 * _panel_mean_samples(record) >= 4
             else ""
-        ),
+        )
+        + (" Bottom: temperature, recorded beside." if record.temperature_degc is not None else ""),
         alt=f"Rate over {plain(record.duration_s, 6)} s between {plain(float(bins.lowest.min()), 4)} and"
         f" {plain(float(bins.highest.max()), 4)} °/s, mean {plain(mean, 5)} °/s",
     )
@@ -82,9 +87,32 @@ def _panel_mean_s(record: RestRecord) -> float:
     return intervals * record.interval_s * max(math.ceil(bins / MOST_BINS), 1)
 
 
+def _panel_mean_samples(record: RestRecord) -> int:
+    return round(_panel_mean_s(record) / record.interval_s)
+
+
+def _temperature_panels(record: RestRecord, time: Unit) -> tuple[Panel, ...]:
+    """Draw what was recorded beside: means of runs, of the readings that are there."""
+    if record.temperature_degc is None:
+        return ()
+    size = math.ceil(record.temperature_degc.size / _TEMPERATURES)
+    there = np.isfinite(record.temperature_degc)
+    starts = np.arange(0, there.size, size)
+    counts = np.add.reduceat(there.astype(np.int64), starts)
+    sums = np.add.reduceat(np.where(there, record.temperature_degc, 0.0), starts)
+    x = _middles(record, starts.size, size)[counts > 0]
+    y = (sums[counts > 0] / counts[counts > 0]).tolist()
+    panel = Panel(
+        y_label="Temp. / °C",
+        x_label=f"Time / {time.name}",
+        height=_TEMPERATURE_HEIGHT,
+        curves=(Curve(x=drawn(x, time), y=tuple(y), role=Role.DATA),),
+    )
+    return (panel,)
+
+
 def _mean_panels(record: RestRecord, rate: Unit, time: Unit, mean: float) -> tuple[Panel, ...]:
-    mean_s = _panel_mean_s(record)
-    size = round(mean_s / record.interval_s)
+    mean_s, size = _panel_mean_s(record), _panel_mean_samples(record)
     if size < 2 or record.rate_dps.size < 2 * size:
         return ()
     count = record.rate_dps.size // size
@@ -122,7 +150,7 @@ def histogram_figure(record: RestRecord) -> Figure:
             Panel(
                 y_label=f"Density / ({unit.name})⁻¹",
                 x_label=f"Residual / ({unit.name})",
-                height=_HISTOGRAM_HEIGHT,
+                height=_HISTOGRAM_HEIGHT + (0.0 if record.temperature_degc is None else _MORE_HEIGHT),
                 bars=Bars(edges=drawn(edges, unit), heights=tuple(heights.tolist())),
                 curves=(Curve(x=drawn(grid, unit), y=tuple(normal.tolist()), role=Role.MODEL),),
                 note=sigma,
