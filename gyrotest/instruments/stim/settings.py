@@ -14,21 +14,12 @@ _RANGE = Quantity(400.0, "deg/s")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stim210Settings:
-    """The station's settings of a STIM210: what the unit is set to."""
+class StimSettings:
+    """The station's settings of a serial gyro, which each model words and checks."""
 
     __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
 
-    frame: Annotated[
-        str | int,
-        Described(
-            "The kind of frame that the unit sends, by its contents or its identifier: rate, rate_extended, "
-            "rate_temperature, rate_counter, rate_latency, rate_counter_latency, rate_temperature_counter, "
-            "rate_temperature_latency, rate_temperature_counter_latency. Without the counter, losses shorter "
-            "than 0.1 s are not found.",
-            "rate_temperature_counter",
-        ),
-    ]
+    frame: str | int
     sample_rate: Annotated[
         Quantity, OfDimension(Dimension.FREQUENCY), Described("Frames per second.", "125 Hz")
     ]
@@ -42,15 +33,29 @@ class Stim210Settings:
         True
     )
 
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stim210Settings(StimSettings):
+    """The station's settings of a STIM210: what the unit is set to."""
+
+    frame: Annotated[
+        str | int,
+        Described(
+            "The kind of frame that the unit sends, by its contents or its identifier: rate, rate_extended, "
+            "rate_temperature, rate_counter, rate_latency, rate_counter_latency, rate_temperature_counter, "
+            "rate_temperature_latency, rate_temperature_counter_latency. Without the counter, losses shorter "
+            "than 0.1 s are not found.",
+            "rate_temperature_counter",
+        ),
+    ]
+
     def __post_init__(self) -> None:
         check(self, STIM210)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stim300Settings:
+class Stim300Settings(StimSettings):
     """The station's settings of a STIM300: what the unit is set to."""
-
-    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
 
     frame: Annotated[
         str | int,
@@ -60,24 +65,10 @@ class Stim300Settings:
             "rate_temperature",
         ),
     ]
-    sample_rate: Annotated[
-        Quantity, OfDimension(Dimension.FREQUENCY), Described("Frames per second.", "125 Hz")
-    ]
     baud_rate: Annotated[int, Described("Bits per second of the line.", "921600")] = 460800
-    mode: Annotated[OutputMode, Described("What the unit gives out.", "average_rate")] = OutputMode.RATE
-    range: Annotated[
-        Quantity, OfDimension(Dimension.RATE), Described("The unit's range.", "400 deg/s")
-    ] = _RANGE
-    crlf: Annotated[bool, Described("Whether each frame ends with CR and LF.", "true")] = False
-    ask: Annotated[bool, Described("Ask the unit for its serial number and how it is set.", "false")] = (
-        True
-    )
 
     def __post_init__(self) -> None:
         check(self, STIM300)
-
-
-StimSettings = Stim210Settings | Stim300Settings
 
 
 def check(settings: StimSettings, model: Model) -> None:
