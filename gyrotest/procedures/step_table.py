@@ -1,5 +1,6 @@
 """The table of steps: what was asked for and read back, what was kept and dropped, the mean output."""
 
+import math
 from collections.abc import Iterator
 
 from gyrotest.procedures.dwells import DwellRecord
@@ -17,12 +18,18 @@ STEP_COLUMNS = (
     Column(heading="Dropped", share=10, numbers=True),
     Column(heading="Settling", share=11, numbers=True),
 )
+_READ_BACK_PLACES, _MOST_PLACES = 4, 9
 _MINUS = "\N{MINUS SIGN}"
 
 
 def steps_figure(records: tuple[DwellRecord, ...]) -> Figure:
     """Return the table of steps as a figure of its own."""
-    table = Table(title="Steps", columns=STEP_COLUMNS, rows=tuple(step_cells(one) for one in records))
+    table = Table(
+        title="Steps",
+        note=output_words(records),
+        columns=STEP_COLUMNS,
+        rows=tuple(step_cells(one) for one in records),
+    )
     return Figure(
         name="steps", title="Steps", panels=(), table=table, alt=f"Table of {len(records)} steps"
     )
@@ -36,12 +43,34 @@ def step_cells(record: DwellRecord) -> tuple[Cell, ...]:
     return (
         Cell(text=dwell.name),
         Cell(text=signed(record.rate_dps, 6)),
-        Cell(text="–" if read_back is None else signed(read_back, 6)),
-        Cell(text=f"{signed(record.mean, 7)} {unit}" if record.kept else "–"),
+        Cell(text="–" if read_back is None else _ending(read_back, _READ_BACK_PLACES)),
+        Cell(text=f"{_mean(record)} {unit}" if record.kept else "–"),
         Cell(text=str(record.kept)),
         Cell(text=str(record.dropped)),
         Cell(text=f"{plain(dwell.settling_s, 3)} s"),
     )
+
+
+def output_words(records: tuple[DwellRecord, ...]) -> str:
+    """Say what the mean outputs are less, where they are not as the source indicates them."""
+    scaling = records[0].scaling
+    if scaling.zero == 0.0:
+        return ""
+    zero = f"{signed(scaling.zero, 6)} {printed_unit(scaling.unit)}"
+    return f"mean output less the nominal one at rest, {zero}"
+
+
+def _mean(record: DwellRecord) -> str:
+    """Return the mean to two digits of how far its samples scatter over the root of their number."""
+    standard = float(record.output.std()) / math.sqrt(record.kept)
+    if not standard:
+        return signed(record.mean, 7)
+    return _ending(record.mean, min(max(1 - math.floor(math.log10(standard)), 0), _MOST_PLACES))
+
+
+def _ending(value: float, places: int) -> str:
+    """Return a number with so many decimal places, zeros among them."""
+    return f"{value + 0.0:.{places}f}".replace("-", _MINUS)
 
 
 def signed(value: float, digits: int) -> str:

@@ -8,7 +8,7 @@ from gyrotest.procedures.compensation.coefficients import Coefficients
 from gyrotest.procedures.compensation.verification import Residuals, Verification
 from gyrotest.procedures.earth import earth_words
 from gyrotest.procedures.table_steps import missing_of_table
-from gyrotest.procedures.wording import plain, rate_text
+from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Measurand, Result
 from gyrotest.records.spec import OutputKind
@@ -62,10 +62,11 @@ def _pair(
     )
     place = int(abs(residuals.values_dps).argmax())
     at = plain(float(found.rates_dps[place]), 4).replace("-", _MINUS)
+    sign = "positive" if residuals.values_dps[place] > 0.0 else "negative"
     names = (f"residual_rms_{when}", f"residual_max_{when}")
     conditions = (
-        f"{found.rates_dps.size} steps; {condition}; with errors of {rate_text(rms.error)} rms",
-        f"at {at} °/s: {rate_text(float(residuals.values_dps[place]), 3)}; {condition}",
+        f"{found.rates_dps.size} steps, each known to ± {plain(rms.error, 2)} °/s (k = 1, rms); {condition}",
+        f"at {at} °/s, where it is {sign}; {condition}",
     )
     sizes: tuple[RootMeanSquare | Magnitude, ...] = (rms, largest)
     for name, one, told in zip(names, sizes, conditions, strict=True):

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from gyrotest.analysis.interval import coverage_factor
 from gyrotest.analysis.scale_factor import Linear
 from gyrotest.procedures.dwells import DwellRecord
-from gyrotest.procedures.step_table import STEP_COLUMNS, signed, step_cells
+from gyrotest.procedures.step_table import STEP_COLUMNS, output_words, signed, step_cells
 from gyrotest.procedures.turns import Turns
 from gyrotest.procedures.wording import plain
 from gyrotest.records.figure import Curve, Figure, Panel, Points, Role
@@ -139,10 +139,10 @@ def _steps_table(
         one.dwell.first: (float(r), float(u))
         for one, r, u in zip(turns.turning, residual, bars, strict=True)
     }
-    records = sorted((*turns.rest, *turns.turning), key=lambda one: one.dwell.first)
+    records = tuple(sorted((*turns.rest, *turns.turning), key=lambda one: one.dwell.first))
     return Table(
         title="Steps",
-        note=f"residuals in ppm of {of}",
+        note="; ".join(part for part in (f"residuals in ppm of {of}", output_words(records)) if part),
         columns=_COLUMNS,
         rows=tuple(_row(one, left.get(one.dwell.first)) for one in records),
     )

@@ -22,7 +22,7 @@ from gyrotest.procedures.uncertainty import by_statistics, expanded
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
-from gyrotest.units import conversion_factor
+from gyrotest.units import conversion_factor, printed_unit
 
 PPM = 1e6
 _DPH = 3600.0
@@ -81,7 +81,7 @@ def _error_result(slope: Result, context: Context) -> Result:
         unit="%",
         expanded_uncertainty=(slope.expanded_uncertainty or 0.0) * abs(share),
         coverage_factor=slope.coverage_factor,
-        condition=f"nominal {'1' if given is None else given}",
+        condition=f"nominal {'1' if given is None else printed_unit(str(given))}".replace("-", _MINUS),
         not_included=slope.not_included,
     )
 

@@ -90,7 +90,9 @@ def test_before_is_what_the_nominal_values_leave_and_after_nothing_but_errors() 
     found = by_name(reduced(UNIT).results)
     # 0.4 % of 70 °/s and 0.3 °/s
     assert found["residual_max_before"].value == pytest.approx(0.004 * 70 + 0.3 * 1.004, abs=0.01)
-    assert "at 70 °/s" in found["residual_max_before"].condition
+    assert "at 70 °/s, where it is positive" in found["residual_max_before"].condition
+    # In the unit of the value itself.
+    assert not any("°/h rms" in one.condition for one in found.values())
     rates = np.array([0.0, *(sign * one for one in (15, 30, 50, 70) for sign in (1, -1)), 0.0])
     left = 0.004 * rates + 0.3 * 1.004
     assert found["residual_rms_before"].value == pytest.approx(np.sqrt(np.mean(left**2)), abs=0.01)

@@ -11,6 +11,7 @@ from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.dwells import DwellRecord, dwell_records, noise_of
 from gyrotest.procedures.outlier_rule import OutlierRule
 from gyrotest.procedures.rails import rail_of
+from gyrotest.procedures.step_table import steps_figure
 from gyrotest.records.recording import Gap, SampleFlag, Samples
 from gyrotest.units import Quantity
 from tests.unit.procedures.turntable import (
@@ -201,3 +202,13 @@ def test_a_step_of_the_fewest_samples_may_lose_some_of_them() -> None:
     records = dwell_records(short, table_context(plan))
     assert [one.kept for one in records[:4]] == [16, 15, 11, 16]
     assert 0.0 < noise_of(records).of_mean(records[2].duration_s).value < (0.05 * 0.01) ** 2
+
+
+def test_a_mean_is_told_to_the_digits_that_its_noise_leaves() -> None:
+    records = records_of(samples_of_turns(Unit(bias_dps=0.0, noise={"angle_random_walk": 0.02}), PLAN))
+    assert records[0].output.std() / np.sqrt(100.0) == pytest.approx(3e-4, rel=0.2)
+    table = steps_figure(records).table
+    assert table is not None
+    assert table.note == "mean output less the nominal one at rest, 2.5 V"
+    told = [row[3].text.replace("−", "-") for row in table.rows[:2]]
+    assert told == [f"{one.mean:.5f} V" for one in records[:2]]

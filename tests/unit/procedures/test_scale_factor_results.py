@@ -61,6 +61,7 @@ def test_a_straight_gyro_is_found_as_it_is() -> None:
     found = results(dataclasses.replace(SILENT, scale_factor=0.0501))
     assert found["scale_factor"].value == pytest.approx(50.1, rel=1e-6)
     assert found["scale_factor_error"].value == pytest.approx(0.2, rel=1e-3)
+    assert found["scale_factor_error"].condition == "nominal 50 mV/(°/s)"
     assert found["bias"].value == pytest.approx(0.3, abs=1e-5)
     assert "Earth's share 11.2 °/h subtracted" in found["bias"].condition
     assert found["nonlinearity"].value == pytest.approx(0.0, abs=0.2)
@@ -219,7 +220,10 @@ def test_the_figure_has_both_ways_apart_the_limits_and_a_table_of_steps() -> Non
     assert figure.table is not None
     assert len(figure.table.rows) == 12
     assert {len(row) for row in figure.table.rows} == {len(figure.table.columns)}
-    assert [cell.text for cell in figure.table.rows[2]][:3] == ["turn 2", "−10", "−10"]
+    assert [cell.text for cell in figure.table.rows[2]][:3] == ["turn 2", "−10", "−10.0000"]
+    assert figure.table.note == (
+        "residuals in ppm of full scale, 100 °/s; mean output less the nominal one at rest, 2.5 V"
+    )
     texts = [cell.text for row in figure.table.rows for cell in row]
     assert not [text for text in texts if re.search(r"[0-9]e[+-]?[0-9]", text)]
 
