@@ -61,7 +61,7 @@ def _readings(way: Sampling) -> str:
         f"{'' if way.readings == 1 else 's'} of {plain(way.aperture_s * 1000, digits=4)} ms: the signal is "
         f"integrated for {plain(100 * way.duty, digits=3)} % of the time."
         + (
-            " White noise read through the dead time is folded; see the results' conditions."
+            " White noise read through the dead time is folded; a result that depends on it says so."
             * (way.duty < _GAP_FREE)
         )
     )
@@ -102,16 +102,23 @@ def _power(record: RunRecord) -> Iterator[str]:
 
 
 def _directions(record: RunRecord) -> Iterator[str]:
-    """How the unit was mounted in each case, and which of its axes were judged."""
-    axes = record.header.spec.spec.output.axes
+    """How the unit was mounted in each case, and which of its axes were judged; cases that are alike together."""
+    axes, alike = record.header.spec.spec.output.axes, dict[tuple[str, str], list[str]]()
     for name, case in record.header.spec.spec.cases.items():
-        if case.mounting is not None:
-            yield f"Sensitive axis in {name}: {_direction(case.mounting)}."
-        if case.mountings:
-            told = "; ".join(f"{axis} {_direction(way)}" for axis, way in _mounted(case))
-            yield f"Sensitive axes in {name}: {told}."
-        if case.axes and set(case.axes) != set(axes):
-            yield f"Judged in {name}: {_axes(case.axes)} of {', '.join(axes)}."
+        for what, told in _of_case(case, axes):
+            alike.setdefault((what, told), []).append(name)
+    for (what, told), names in alike.items():
+        yield f"{what} in {', '.join(names)}: {told}."
+
+
+def _of_case(case: Case, axes: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """Give what is said of a case's axes, and what of."""
+    if case.mounting is not None:
+        yield "Sensitive axis", _direction(case.mounting)
+    if case.mountings:
+        yield "Sensitive axes", "; ".join(f"{axis} {_direction(way)}" for axis, way in _mounted(case))
+    if case.axes and set(case.axes) != set(axes):
+        yield "Judged", f"{_axes(case.axes)} of {', '.join(axes)}"
 
 
 def _mounted(case: Case) -> Iterator[tuple[str, tuple[float, float, float]]]:

@@ -37,6 +37,7 @@ def _content(
         "equation_in_words": (
             "The rate about the axis is the output less the nominal output at rest (zero_rate), divided by"
             " the scale factor, less the bias."
+            + ("" if coefficients.holds_earth else " The Earth's rate about the axis is part of it.")
         ),
         "coefficients": {
             "scale_factor": _entry(coefficients.scale_factor),

@@ -152,6 +152,28 @@ def test_chamber_and_temperatures_are_told() -> None:
     assert "Temperatures asked for in noise: −20, 25, 60 °C; read back within 0.12 °C of that." in told
 
 
+def test_a_direction_that_several_cases_share_is_told_once() -> None:
+    record = bench_records.rate_table()
+    spec = record.header.spec.spec
+    cases = {
+        name: dataclasses.replace(case, mountings={}, mounting=way)
+        for (name, case), way in zip(
+            spec.cases.items(), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)), strict=False
+        )
+    }
+    changed = dataclasses.replace(
+        record.header,
+        spec=dataclasses.replace(record.header.spec, spec=dataclasses.replace(spec, cases=cases)),
+    )
+    told = conditions(dataclasses.replace(record, header=changed))
+    first, second, *third = cases
+    shared = ", ".join((first, *third))
+    assert [one for one in told if one.startswith("Sensitive ax")] == [
+        f"Sensitive axis in {shared}: up 1, north 0, east 0.",
+        f"Sensitive axis in {second}: up 0, north 1, east 0.",
+    ]
+
+
 def test_direction_of_each_judged_axis_is_told() -> None:
     told = conditions(bench_records.three_axes())
     assert (

@@ -164,6 +164,7 @@ def test_a_bias_that_holds_the_earths_rate_is_applied_as_it_is() -> None:
         reduction = reduced(UNIT, earlier=earlier, **changes)
         assert (by_name(reduction.results)["residual_rms_after"].value or 1.0) < 0.01
         assert content(reduction)["earth_rate_in_bias"] is True
+        assert "Earth" not in content(reduction)["equation_in_words"]
 
 
 @pytest.mark.parametrize(
@@ -204,6 +205,7 @@ def test_the_json_holds_all_that_compensation_needs() -> None:
     assert found["format"] == "gyrotest.coefficients/1"
     assert (found["case"], found["axis"], found["output_kind"]) == ("verification", "z", "voltage")
     assert found["equation"] == "rate = (output - zero_rate) / scale_factor - bias"
+    assert found["equation_in_words"].endswith("The Earth's rate about the axis is part of it.")
     values = found["coefficients"]
     assert values["scale_factor"]["value"] == pytest.approx(0.0502)
     assert values["scale_factor"]["unit"] == "V/(deg/s)"
