@@ -131,7 +131,6 @@ class TableDrive:
         self._between_plans = True
         self._watched_s = 0.0
         self._sum_dps = 0.0
-        self._worst_dps = 0.0
         self._count = 0
 
     def reach(self, turning: Turning) -> None:
@@ -162,10 +161,6 @@ class TableDrive:
     def read_back(self) -> float | None:
         """The mean of what was read back since the rate was reached, °/s."""
         return self._sum_dps / self._count if self._count else None
-
-    def worst_deviation_dps(self) -> float | None:
-        """The greatest deviation from the demanded rate that was read back since, °/s."""
-        return self._worst_dps if self._count else None
 
     def rest(self) -> None:
         """Bring it to rest, and back where cables ask for it; never raises.
@@ -237,11 +232,10 @@ class TableDrive:
         read_dps = self._table.rate_dps()
         self._sum_dps += read_dps
         self._count += 1
-        self._worst_dps = max(self._worst_dps, abs(read_dps - self._turning.rate_dps))
         return read_dps
 
     def _forget(self) -> None:
-        self._sum_dps = self._worst_dps = 0.0
+        self._sum_dps = 0.0
         self._count = 0
 
     def _come_to_rest(self) -> None:

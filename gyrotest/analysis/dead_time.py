@@ -14,11 +14,6 @@ class DeadTime:
     half_width: float
 
 
-def white_noise_inflation(*, aperture_s: float, interval_s: float) -> float:
-    """Return by how much white rate noise reads too large: √(interval/aperture)."""
-    return math.sqrt(interval_s / aperture_s)
-
-
 def dead_time_correction(
     *, reading_s: float, spacing_s: float, bandwidth_hz: float | None
 ) -> DeadTime | None:

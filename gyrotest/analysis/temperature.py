@@ -28,16 +28,6 @@ class TemperatureSensitivity:
     by_bias: NDArray[np.float64]
     by_setting: NDArray[np.float64]
 
-    @property
-    def worst_by_bias(self) -> float:
-        """Standard uncertainty of the greatest ratio by noise."""
-        return float(self.by_bias[np.abs(self.ratios).argmax()])
-
-    @property
-    def worst_by_setting(self) -> float:
-        """Standard uncertainty of the greatest ratio by the errors of the temperatures."""
-        return float(self.by_setting[np.abs(self.ratios).argmax()])
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TemperatureLine:

@@ -25,22 +25,12 @@ _log = logging.getLogger(__name__)
 GATHER_S = 0.5
 SYNC_S = 5.0
 
-# What a batch costs beside its rows, and what must stay free for the record and the certificate.
-_BATCH_BYTES = 1024
+# What must stay free for the record and the certificate.
 _RESERVE_BYTES = 20_000_000
 
 
 def _utc() -> datetime:
     return datetime.now(UTC)
-
-
-def free_space_needed(header: RecordingHeader) -> int:
-    """Bytes that a recording may need on the disk while its segments become Parquet."""
-    row = 8 + 8 + 8 * len(header.sampling.columns) + 1
-    batches = min(
-        header.planned_samples, int(header.planned_samples * header.sampling.interval_s / GATHER_S)
-    )
-    return 2 * header.planned_samples * row + (batches + 1) * _BATCH_BYTES
 
 
 def check_free_space(folder: Path, needed: int) -> None:

@@ -14,14 +14,10 @@ from gyrotest.analysis.continuity import (
     stretches_by_time,
     stuck_stretch,
 )
-from gyrotest.analysis.dead_time import _inflation, dead_time_correction, white_noise_inflation
+from gyrotest.analysis.dead_time import _inflation, dead_time_correction
 from gyrotest.analysis.earth import EARTH_RATE_DPS, earth_share_dps
 from gyrotest.analysis.interval import chi_square_quantile, coverage_factor, deviation_bounds
 from gyrotest.analysis.resolution import digital_step, mean_half_width
-
-
-def test_ten_line_cycles_of_60_hz_once_a_second_inflate_by_2_45() -> None:
-    assert white_noise_inflation(aperture_s=1 / 6, interval_s=1.0) == pytest.approx(2.449, abs=1e-3)
 
 
 def test_dead_time_is_corrected_only_for_a_wide_enough_bandwidth() -> None:
