@@ -9,7 +9,7 @@ from gyrotest.errors import StationError
 from gyrotest.records.station import Station
 from gyrotest.simulation.chamber import ChamberFigures, SimulatedChamber, speaker_of
 from gyrotest.simulation.dialogue import Dialogue, LineDialogue, Speaker
-from gyrotest.simulation.figures import Figure, Figures, figures_of
+from gyrotest.simulation.figures import Figure, Figures, figures_of, given_figures
 from gyrotest.simulation.meter_state import Interface
 from gyrotest.simulation.occasion import Occasion
 from gyrotest.simulation.peer import Making
@@ -69,5 +69,5 @@ def _figures(station: Station, name: str) -> Figures:
         "lag": Figure(Dimension.TIME, "4 min", positive=True),
         "offset_error": Figure(Dimension.TEMPERATURE, _ERROR if stated is None else str(stated)),
     }
-    given = station.simulation.instruments.get(name, {}) if station.simulation else {}
+    given = given_figures(station, name)
     return figures_of(given, keys, f"simulation.instruments.{name}", also=("model",))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gyrotest.errors import Fault, UnitError
+from gyrotest.records.station import Station
 from gyrotest.units import Dimension, parse_quantity
 
 
@@ -48,6 +49,11 @@ def figures_of(
             faults.append(fault(f"{prefix}.{name}", f"'{given.get(name)}' must be {least}"))
         values[name] = value
     return Figures(values=values, faults=faults)
+
+
+def given_figures(station: Station, name: str) -> dict[str, Any]:
+    """What the station's `simulation.instruments` says of an instrument."""
+    return dict(station.simulation.instruments.get(name, {})) if station.simulation else {}
 
 
 def nearest(name: str, known: Collection[str]) -> str:

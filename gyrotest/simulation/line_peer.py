@@ -7,7 +7,7 @@ from gyrotest.errors import StationError, UnitError
 from gyrotest.records.spec import OutputKind
 from gyrotest.records.station import Station
 from gyrotest.simulation.emitter import Emitter
-from gyrotest.simulation.figures import Figure, fault, figures_of
+from gyrotest.simulation.figures import Figure, fault, figures_of, given_figures
 from gyrotest.simulation.housed import Housed
 from gyrotest.simulation.line_voice import Board, LineVoice
 from gyrotest.simulation.occasion import Occasion
@@ -57,7 +57,7 @@ class LinePeer:
 def _board(station: Station, name: str) -> Board:
     """What the board prints and how often; raises `StationError` with all complaints at once."""
     key = f"simulation.instruments.{name}"
-    simulated = station.simulation.instruments.get(name, {}) if station.simulation else {}
+    simulated = given_figures(station, name)
     settings = station.instruments[name].settings
     known = {one: settings[one] for one in _FIGURES if one in settings}
     figures = figures_of({**known, **simulated}, _FIGURES, key, also=_TEXTS)

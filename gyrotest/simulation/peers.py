@@ -6,7 +6,7 @@ from typing import Protocol
 
 from gyrotest.errors import StationError
 from gyrotest.records.station import Station
-from gyrotest.simulation.figures import fault
+from gyrotest.simulation.figures import fault, given_figures
 from gyrotest.simulation.peer import Making, Peer
 
 # By the driver's name, or the model that is a part of it (`agilent34401a` drives a 34401A): where the
@@ -47,7 +47,7 @@ def is_simulated(resource: str) -> bool:
 def peer_class(station: Station, name: str) -> PeerClass:
     """The class of the simulated instrument; raises `StationError` where there is none."""
     driver = station.instruments[name].driver.lower()
-    given = station.simulation.instruments.get(name, {}) if station.simulation else {}
+    given = given_figures(station, name)
     wanted = (str(given.get("model", "")).lower(), driver)
     found = next((path for one in wanted for path in _paths(one)), None)
     if found is None:

@@ -3,17 +3,17 @@
 from collections.abc import Mapping
 
 from gyrotest.errors import StationError
-from gyrotest.records.station import Instrument, Station
+from gyrotest.records.station import Station
 from gyrotest.simulation.converter import Converter, MeterErrors
 from gyrotest.simulation.dialogue import Dialogue, LineDialogue, Speaker
 from gyrotest.simulation.faults import Faults
-from gyrotest.simulation.figures import Figure, Figures, fault, figures_of
+from gyrotest.simulation.figures import Figure, Figures, fault, figures_of, given_figures
 from gyrotest.simulation.meter_state import Interface
 from gyrotest.simulation.occasion import Occasion
 from gyrotest.simulation.peer import Making
 from gyrotest.simulation.scanner import SimulatedScanner
 from gyrotest.simulation.scanner_commands import speaker_of
-from gyrotest.simulation.settings import line_frequency_hz
+from gyrotest.simulation.settings import line_frequency_hz, stated_meter_accuracy
 from gyrotest.simulation.signal import Signal
 from gyrotest.simulation.streams import Normals, generator
 from gyrotest.units import Dimension
@@ -100,17 +100,13 @@ class ScannerPeer:
         return int(name)
 
 
-def _given(station: Station, name: str) -> dict[str, object]:
-    return dict(station.simulation.instruments.get(name, {})) if station.simulation else {}
-
-
 def _model(station: Station, name: str) -> str:
-    return str(_given(station, name).get("model", "34970A"))
+    return str(given_figures(station, name).get("model", "34970A"))
 
 
 def _figures(station: Station, name: str) -> Figures:
     key = f"simulation.instruments.{name}"
-    given = _stated_accuracy(station.instruments[name]) | _given(station, name)
+    given = stated_meter_accuracy(station.instruments[name]) | given_figures(station, name)
     found = figures_of(given, _FIGURES, key, also=("model",))
     model = _model(station, name)
     if model not in _MODELS:
@@ -118,11 +114,3 @@ def _figures(station: Station, name: str) -> Figures:
             fault(f"{key}.model", f"'{model}' cannot be simulated; write {' or '.join(_MODELS)}")
         )
     return found
-
-
-def _stated_accuracy(instrument: Instrument) -> dict[str, object]:
-    accuracy = instrument.accuracy
-    if accuracy is None:
-        return {}
-    stated = {"gain_error": str(accuracy.of_reading), "offset_error": str(accuracy.of_range)}
-    return dict(stated) if accuracy.noise is None else {**stated, "noise": str(accuracy.noise)}

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from gyrotest.errors import Fault, StationError
 from gyrotest.records.station import Instrument, Station
-from gyrotest.simulation.figures import Figure, fault, figures_of, nearest
+from gyrotest.simulation.figures import Figure, fault, figures_of, given_figures, nearest
 from gyrotest.simulation.personalities import MODELS
 from gyrotest.units import Dimension
 
@@ -33,10 +33,10 @@ def meter_parameters(station: Station, name: str) -> MeterParameters:
     Raises `StationError` with all complaints at once.
     """
     instrument = station.instruments[name]
-    given = dict(station.simulation.instruments.get(name, {})) if station.simulation else {}
+    given = given_figures(station, name)
     key = f"simulation.instruments.{name}"
     model = given.pop("model", None) or _model_of(instrument.driver)
-    figures = figures_of(_stated_accuracy(instrument) | given, _METER, key)
+    figures = figures_of(stated_meter_accuracy(instrument) | given, _METER, key)
     values, faults = figures.values, figures.faults
     if model not in MODELS:
         known = " or ".join(MODELS)
@@ -66,7 +66,8 @@ def unknown_instruments(station: Station) -> list[Fault]:
     ]
 
 
-def _stated_accuracy(instrument: Instrument) -> dict[str, str]:
+def stated_meter_accuracy(instrument: Instrument) -> dict[str, str]:
+    """A meter's figures by the accuracy that the station states of it."""
     accuracy = instrument.accuracy
     if accuracy is None:
         return {}
@@ -86,7 +87,7 @@ def line_frequency_hz(station: Station) -> float:
 
 def table_axis(station: Station, table: str | None) -> tuple[float, float, float]:
     """The direction (up, north, east) of a table's axis: up where nothing else is said."""
-    given = station.simulation.instruments.get(table, {}) if table and station.simulation else {}
+    given = given_figures(station, table) if table else {}
     if "axis" not in given:
         return _UP
     axis = given["axis"]

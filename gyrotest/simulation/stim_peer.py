@@ -11,7 +11,7 @@ from gyrotest.errors import Fault, StationError
 from gyrotest.records.spec import OutputKind, OutputMode
 from gyrotest.records.station import Station
 from gyrotest.simulation.emitter import Emitter
-from gyrotest.simulation.figures import Figure, fault, figures_of, nearest
+from gyrotest.simulation.figures import Figure, fault, figures_of, given_figures, nearest
 from gyrotest.simulation.housed import Housed
 from gyrotest.simulation.occasion import Occasion
 from gyrotest.simulation.outlet import Outlet
@@ -153,7 +153,7 @@ def _other(mode: OutputMode) -> OutputMode:
 def _described(station: Station, name: str) -> tuple[StimModel, Setup, int]:
     """Model, set-up and latency of a unit; raises `StationError` with all complaints at once."""
     instrument = station.instruments[name]
-    simulated = station.simulation.instruments.get(name, {}) if station.simulation else {}
+    simulated = given_figures(station, name)
     key = f"simulation.instruments.{name}"
     given: dict[str, Any] = {**instrument.settings, **simulated}
     model = STIM300 if "300" in f"{given.pop('model', instrument.driver)}" else STIM210

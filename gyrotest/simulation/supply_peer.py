@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from gyrotest.errors import StationError
 from gyrotest.records.station import Station
 from gyrotest.simulation.dialogue import Dialogue, LineDialogue, Speaker
-from gyrotest.simulation.figures import Figure, Figures, figures_of
+from gyrotest.simulation.figures import Figure, Figures, figures_of, given_figures
 from gyrotest.simulation.meter_state import Interface
 from gyrotest.simulation.occasion import Occasion
 from gyrotest.simulation.peer import Making
@@ -65,7 +65,7 @@ class SupplyPeer:
 
 
 def _figures(station: Station, name: str) -> Figures:
-    given = station.simulation.instruments.get(name, {}) if station.simulation else {}
+    given = given_figures(station, name)
     return figures_of(given, _FIGURES, f"simulation.instruments.{name}", also=("model",))
 
 

@@ -10,7 +10,7 @@ from gyrotest.records.station import Instrument, Station
 from gyrotest.simulation.acutrol import AcutrolController, AcutrolDialogue, AcutrolInterface
 from gyrotest.simulation.aerosmith import AerosmithController, AerosmithDialogue
 from gyrotest.simulation.dialogue import Dialogue
-from gyrotest.simulation.figures import Figure, fault, figures_of
+from gyrotest.simulation.figures import Figure, fault, figures_of, given_figures
 from gyrotest.simulation.meter_state import Interface
 from gyrotest.simulation.occasion import Occasion
 from gyrotest.simulation.peer import Making
@@ -87,7 +87,7 @@ def table_parameters(station: Station, name: str) -> TableParameters:
     Raises `StationError` with all complaints at once.
     """
     instrument = station.instruments[name]
-    given = dict(station.simulation.instruments.get(name, {})) if station.simulation else {}
+    given = given_figures(station, name)
     found = figures_of(_stated_accuracy(instrument) | given, _FIGURES, f"simulation.instruments.{name}")
     faults = [*found.faults]
     if instrument.motion is None:
