@@ -3,8 +3,10 @@
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from gyrotest.procedures.dwells import DwellRecord
-from gyrotest.procedures.wording import plain
+from gyrotest.procedures.wording import ending, places_of, plain
 from gyrotest.records.figure import Figure
 from gyrotest.records.table import Cell, Column, Table
 from gyrotest.units import printed_unit
@@ -18,33 +20,34 @@ STEP_COLUMNS = (
     Column(heading="Dropped", share=10, numbers=True),
     Column(heading="Settling", share=11, numbers=True),
 )
-_READ_BACK_PLACES, _MOST_PLACES = 4, 9
+_READ_BACK_PLACES = 4
 _MINUS = "\N{MINUS SIGN}"
 
 
 def steps_figure(records: tuple[DwellRecord, ...]) -> Figure:
     """Return the table of steps as a figure of its own."""
+    places = mean_places(records)
     table = Table(
         title="Steps",
         note=output_words(records),
         columns=STEP_COLUMNS,
-        rows=tuple(step_cells(one) for one in records),
+        rows=tuple(step_cells(one, places) for one in records),
     )
     return Figure(
         name="steps", title="Steps", panels=(), table=table, alt=f"Table of {len(records)} steps"
     )
 
 
-def step_cells(record: DwellRecord) -> tuple[Cell, ...]:
-    """Return a step's row; its saturated samples are told where they are kept."""
+def step_cells(record: DwellRecord, places: int) -> tuple[Cell, ...]:
+    """Return a step's row, its mean to so many places; its saturated samples are told where they are kept."""
     dwell = record.dwell
     read_back = dwell.measured_rate_dps
     unit = printed_unit(record.scaling.unit)
     return (
         Cell(text=dwell.name),
         Cell(text=signed(record.rate_dps, 6)),
-        Cell(text="–" if read_back is None else _ending(read_back, _READ_BACK_PLACES)),
-        Cell(text=f"{_mean(record)} {unit}" if record.kept else "–"),
+        Cell(text="–" if read_back is None else ending(read_back, _READ_BACK_PLACES)),
+        Cell(text=f"{ending(record.mean, places)} {unit}" if record.kept else "–"),
         Cell(text=str(record.kept)),
         Cell(text=str(record.dropped)),
         Cell(text=f"{plain(dwell.settling_s, 3)} s"),
@@ -60,17 +63,10 @@ def output_words(records: tuple[DwellRecord, ...]) -> str:
     return f"mean output less the nominal one at rest, {zero}"
 
 
-def _mean(record: DwellRecord) -> str:
-    """Return the mean to two digits of how far its samples scatter over the root of their number."""
-    standard = float(record.output.std()) / math.sqrt(record.kept)
-    if not standard:
-        return signed(record.mean, 7)
-    return _ending(record.mean, min(max(1 - math.floor(math.log10(standard)), 0), _MOST_PLACES))
-
-
-def _ending(value: float, places: int) -> str:
-    """Return a number with so many decimal places, zeros among them."""
-    return f"{value + 0.0:.{places}f}".replace("-", _MINUS)
+def mean_places(records: tuple[DwellRecord, ...]) -> int:
+    """Return the places that the steps' means are told to: two digits of what their scatter leaves."""
+    scatter = [float(one.output.std()) / math.sqrt(one.kept) for one in records if one.kept]
+    return places_of(float(np.median(scatter)))
 
 
 def signed(value: float, digits: int) -> str:

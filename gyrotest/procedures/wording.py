@@ -9,11 +9,26 @@ _PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k"}
 _PREFIXED = ("V", "s", "Hz")
 _WHOLE_FROM = 10.0
 _SMALL_DPS = 0.01
+_MOST_PLACES = 9
+_MINUS = "\N{MINUS SIGN}"
 
 
 def plain(value: float, digits: int) -> str:
     """Return a number rounded to so many significant digits, without an exponent: `2530`."""
     return f"{Decimal(f'{value:.{digits}g}').normalize():f}"
+
+
+def places_of(uncertainty: float) -> int:
+    """Return the decimal places with which two digits of an uncertainty end (JCGM 100, 7.2.6)."""
+    if not uncertainty > 0.0:
+        return _MOST_PLACES
+    return min(max(1 - math.floor(math.log10(float(f"{uncertainty:.2g}"))), 0), _MOST_PLACES)
+
+
+def ending(value: float, places: int) -> str:
+    """Return a number with so many decimal places, zeros among them, and the true minus."""
+    text = f"{value:.{places}f}"
+    return (text if text.strip("-0.") else text.removeprefix("-")).replace("-", _MINUS)
 
 
 def engineering(value: float, unit: str, digits: int = 2) -> str:

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from gyrotest.analysis.interval import coverage_factor
 from gyrotest.analysis.scale_factor import Linear
 from gyrotest.procedures.dwells import DwellRecord
-from gyrotest.procedures.step_table import STEP_COLUMNS, output_words, signed, step_cells
+from gyrotest.procedures.step_table import STEP_COLUMNS, mean_places, output_words, step_cells
 from gyrotest.procedures.turns import Turns
-from gyrotest.procedures.wording import plain
+from gyrotest.procedures.wording import ending, places_of, plain
 from gyrotest.records.figure import Curve, Figure, Panel, Points, Role
 from gyrotest.records.plan import Context
 from gyrotest.records.table import Cell, Column, Table
@@ -144,13 +144,15 @@ def _steps_table(
         title="Steps",
         note="; ".join(part for part in (f"residuals in ppm of {of}", output_words(records)) if part),
         columns=_COLUMNS,
-        rows=tuple(_row(one, left.get(one.dwell.first)) for one in records),
+        rows=tuple(_row(one, mean_places(records), left.get(one.dwell.first)) for one in records),
     )
 
 
-def _row(record: DwellRecord, left: tuple[float, float] | None) -> tuple[Cell, ...]:
-    cells = step_cells(record)
-    residual, bar = ("–", "–") if left is None else (signed(left[0], 3), plain(left[1], 2))
+def _row(record: DwellRecord, places: int, left: tuple[float, float] | None) -> tuple[Cell, ...]:
+    cells = step_cells(record, places)
+    residual, bar = "–", "–"
+    if left is not None:
+        residual, bar = ending(left[0], places_of(left[1])), plain(left[1], 2)
     return (*cells[:4], Cell(text=residual), Cell(text=bar), *cells[4:])
 
 

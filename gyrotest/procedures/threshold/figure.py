@@ -3,13 +3,12 @@
 from gyrotest.analysis.small_steps import HALF, Followed, Level, smallest_followed
 from gyrotest.procedures.threshold.levels import Levels
 from gyrotest.procedures.threshold.results import Kind
-from gyrotest.procedures.wording import plain, rate_text
+from gyrotest.procedures.wording import ending, places_of, plain, rate_text
 from gyrotest.records.figure import Curve, Figure, Panel, Points, Role, Scale
 from gyrotest.records.table import Cell, Column, Table
 
 _MARGIN = 1.3
 _APART = 1.02  # by which factor the points of changes up and down stand apart
-_MINUS = "\N{MINUS SIGN}"
 _WORDS = {Followed.YES: "followed", Followed.NO: "not followed", Followed.UNDECIDED: "undecided"}
 _COLUMNS = (
     Column(heading="Change / (°/s)", share=20),
@@ -75,7 +74,7 @@ def _row(level: Level) -> tuple[Cell, ...]:
     widest = max(level.up.half_width, level.down.half_width) * 100.0
     return (
         Cell(text=plain(level.size_dps, 4)),
-        *(Cell(text=plain(one.share * 100.0, 3).replace("-", _MINUS)) for one in (level.up, level.down)),
+        *(Cell(text=ending(one.share * 100.0, places_of(widest))) for one in (level.up, level.down)),
         Cell(text=plain(widest, 2)),
         Cell(text=_WORDS[level.followed]),
     )

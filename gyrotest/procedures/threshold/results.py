@@ -6,7 +6,7 @@ from gyrotest.analysis.interval import coverage_factor
 from gyrotest.analysis.small_steps import Followed, Level, Response, SmallestFollowed, smallest_followed
 from gyrotest.procedures.threshold.levels import Levels, table_uncertainty_dps
 from gyrotest.procedures.threshold.parameters import ThresholdParameters
-from gyrotest.procedures.wording import plain, rate_text
+from gyrotest.procedures.wording import ending, places_of, plain, rate_text
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Measurand, Result
 from gyrotest.units import Dimension
@@ -148,5 +148,5 @@ def _shares(level: Level) -> str:
 
 
 def _share(response: Response) -> str:
-    half = plain(response.half_width * 100.0, 2)
-    return f"({plain(response.share * 100.0, 3)} ± {half}) %".replace("-", "\N{MINUS SIGN}")
+    half = response.half_width * 100.0
+    return f"({ending(response.share * 100.0, places_of(half))} ± {plain(half, 2)}) %"

@@ -171,3 +171,10 @@ def test_faulty_parameters_are_told_at_their_key(
 def test_full_scale_itself_is_needed() -> None:
     output: Output = table_output(full_scale=None)
     assert "output.full_scale" in dict(FullScale().complaints(CASE, PARAMETERS, output))["procedure"]
+
+
+def test_means_of_steps_at_a_limit_are_told_to_the_digits_of_the_others() -> None:
+    _, steps = reduced(clipped((2.5 - 4.25, 2.5 + 5.6), 3e-6)).figures
+    assert steps.table is not None
+    means = [row[3].text.removesuffix(" V") for row in steps.table.rows]
+    assert {len(one.partition(".")[2]) for one in means} == {6}

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrotest.procedures.wording import engineering, freedom, plain
+from gyrotest.procedures.wording import ending, engineering, freedom, places_of, plain
 
 
 @pytest.mark.parametrize(
@@ -37,3 +37,16 @@ def test_plain_digits_are_the_rounded_number_without_an_exponent(value: float, d
     text = plain(value, digits)
     assert "e" not in text.lower()
     assert float(text) == float(f"{value:.{digits}g}")
+
+
+@pytest.mark.parametrize(
+    ("value", "uncertainty", "told"),
+    [
+        (92.87, 15.2, "93"),
+        (0.0283, 0.0995, "0.03"),
+        (-1.0020551, 4.1e-5, "−1.002055"),
+        (-0.2, 31.0, "0"),
+    ],
+)
+def test_a_value_ends_where_two_digits_of_its_uncertainty_end(value, uncertainty, told):
+    assert ending(value, places_of(uncertainty)) == told
