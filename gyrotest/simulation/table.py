@@ -173,6 +173,7 @@ class SimulatedTable:
         self.acceleration_limit_dps2 = parameters.max_acceleration_dps2
         self.tripped = False
         self.demanded_dps = 0.0
+        self._began_deg = 0.0
         self._segments: list[Segment] = [self._standing(clock.now_s(), 0.0)]
 
     def begin(self, occasion: Occasion, faults: TableFaults | None = None) -> None:
@@ -186,6 +187,8 @@ class SimulatedTable:
             self.errors = TableErrors(gain=self.parameters.gain_error * spread)
             self.faults = TableFaults() if faults is None else faults
             self.tripped = False
+            # From here on the ripple counts: a record is the same whatever was turned before it.
+            self._began_deg = angle_deg
             if rate_dps == 0.0:
                 self._segments = [self._standing(now_s, angle_deg)]
 
@@ -193,10 +196,10 @@ class SimulatedTable:
         """Turn at a rate, reached as fast as the limits let it."""
         with self._changed:
             now_s = self._advanced()
-            error_dps = self.parameters.setting_error_dps * self._own.uniform(-1.0, 1.0)
-            self._turn_to(
-                now_s, rate_dps * self.faults.reaches, error_dps=error_dps if rate_dps else 0.0
-            )
+            # Nothing is drawn for rest: how often that is asked for depends on what was before the record.
+            drawn = self._own.uniform(-1.0, 1.0) if rate_dps else 0.0
+            error_dps = self.parameters.setting_error_dps * drawn
+            self._turn_to(now_s, rate_dps * self.faults.reaches, error_dps=error_dps)
             self.demanded_dps = rate_dps
             self._changed.notify_all()
 
@@ -226,7 +229,8 @@ class SimulatedTable:
             smooth = self._smooth(np.atleast_1d(np.asarray(times_s, dtype=np.float64)))
         cycles = self.parameters.ripple_per_turn
         # The rate's deviation is the ripple times cos: the angle's follows by integration over the angle.
-        deviation = np.degrees(np.sin(cycles * np.radians(smooth))) * self.parameters.ripple / cycles
+        phase = np.sin(cycles * np.radians(smooth - self._began_deg))
+        deviation = np.degrees(phase) * self.parameters.ripple / cycles
         return np.asarray(smooth + deviation, dtype=np.float64)
 
     def read_rate_dps(self) -> float:
@@ -234,7 +238,8 @@ class SimulatedTable:
         with self._changed:
             now_s = self._advanced()
             rate_dps = self._at(now_s).rate_dps(now_s - self._at(now_s).start_s)
-            phase = self.parameters.ripple_per_turn * math.radians(self._smooth_deg(now_s))
+            turned_deg = self._smooth_deg(now_s) - self._began_deg
+            phase = self.parameters.ripple_per_turn * math.radians(turned_deg)
             return rate_dps * (1.0 + self.parameters.ripple * math.cos(phase))
 
     def read_angle_deg(self) -> float:
