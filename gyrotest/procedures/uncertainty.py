@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from gyrotest.analysis.interval import coverage_factor
-from gyrotest.records.result import Contribution
+from gyrotest.records.result import Contribution, Result
 
 _ROOT_3 = math.sqrt(3.0)
 
@@ -28,6 +28,31 @@ def expanded(budget: tuple[Contribution, ...]) -> Expanded:
     combined = math.sqrt(sum(one.standard_uncertainty**2 for one in budget))
     freedom = _effective_freedom(budget, combined)
     return Expanded(standard=combined, freedom=freedom, factor=coverage_factor(freedom))
+
+
+def budgeted_result(
+    budget: tuple[Contribution, ...],
+    *,
+    name: str,
+    label: str,
+    value: float,
+    unit: str,
+    condition: str,
+    not_included: tuple[str, ...],
+) -> Result:
+    """Return a result with the expanded uncertainty that its budget comes to, all in `unit`."""
+    found = expanded(budget)
+    return Result(
+        name=name,
+        label=label,
+        value=value,
+        unit=unit,
+        expanded_uncertainty=found.uncertainty,
+        coverage_factor=found.factor,
+        condition=condition,
+        budget=budget,
+        not_included=not_included,
+    )
 
 
 def by_statistics(source: str, standard: float, freedom: float | None = None) -> Contribution:

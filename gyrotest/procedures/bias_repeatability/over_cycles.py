@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 from gyrotest.analysis.repeatability import Repeatability
-from gyrotest.procedures.uncertainty import by_statistics, expanded
+from gyrotest.procedures.uncertainty import budgeted_result, by_statistics
 from gyrotest.records.result import Contribution, Result
 from gyrotest.units import conversion_factor
 
@@ -18,16 +18,13 @@ def mean_result(found: tuple[Result, ...], spread: Repeatability) -> Result:
     )
     worst = max(found, key=_common)
     budget = (scatter, *_common_contributions(worst))
-    total = expanded(budget)
-    return Result(
+    return budgeted_result(
+        budget,
         name="bias_mean",
         label="Bias, mean over power cycles",
         value=spread.mean,
         unit=_UNIT,
-        expanded_uncertainty=total.uncertainty,
-        coverage_factor=total.factor,
         condition="; ".join((f"{spread.count} power cycles", *_same_condition(found))),
-        budget=budget,
         not_included=tuple(dict.fromkeys(name for one in found for name in one.not_included)),
     )
 

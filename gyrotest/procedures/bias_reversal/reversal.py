@@ -15,7 +15,7 @@ from gyrotest.procedures.dwells import DwellRecord, dwell_records, noise_of
 from gyrotest.procedures.earth import earth_share, earth_words, of_earth
 from gyrotest.procedures.meter import meter_contributions, missing_of_meter
 from gyrotest.procedures.table_steps import rounding_covariance
-from gyrotest.procedures.uncertainty import by_statistics, expanded, rectangular
+from gyrotest.procedures.uncertainty import budgeted_result, by_statistics, rectangular
 from gyrotest.procedures.wording import plain, rate_text
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import Samples
@@ -75,17 +75,14 @@ def reversal_result(reversal: Reversal, context: Context) -> Result:
     """Return the bias, less the Earth's share, with its budget."""
     share_dps = earth_share(context)
     budget = (*_contributions(reversal, context), of_earth(share_dps))
-    whole = expanded(budget)
-    return Result(
+    return budgeted_result(
+        budget,
         name="bias",
         label="Bias, by reversal",
         value=reversal.rate_at_rest_dps - (share_dps or 0.0),
         unit="deg/s",
-        expanded_uncertainty=whole.uncertainty,
-        coverage_factor=whole.factor,
         condition=f"±{plain(abs(reversal.rate_dps), 6)} °/s; {reversal.slope.source};"
         f" {earth_words(share_dps)}",
-        budget=budget,
         not_included=tuple(_missing(reversal, context)),
     )
 

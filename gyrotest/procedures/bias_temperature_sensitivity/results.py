@@ -14,7 +14,7 @@ from gyrotest.analysis.temperature import (
     temperature_sensitivity,
 )
 from gyrotest.procedures.bias_temperature_sensitivity.set_points import SetPoints
-from gyrotest.procedures.uncertainty import by_statistics, expanded, rectangular
+from gyrotest.procedures.uncertainty import budgeted_result, by_statistics, expanded, rectangular
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Contribution, Result
@@ -100,16 +100,13 @@ def slope_result(found: TemperatureLine, points: SetPoints, context: Context) ->
     )
     error = _Error(size=abs(found.slope), by_bias=found.by_bias, by_setting=found.by_setting)
     budget = tuple(_budget(error, points, context))
-    total = expanded(budget)
-    return Result(
+    return budgeted_result(
+        budget,
         name="bias_temperature_slope",
         label="Bias, slope over temperature",
         value=found.slope * DPH,
         unit=UNIT,
-        expanded_uncertainty=total.uncertainty,
-        coverage_factor=total.factor,
         condition=condition.replace("-", _MINUS),
-        budget=budget,
         not_included=tuple(_missing(points, context)),
     )
 

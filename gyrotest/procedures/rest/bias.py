@@ -4,7 +4,7 @@ from gyrotest.analysis.noise import NoiseModel
 from gyrotest.procedures.earth import earth_share, earth_words
 from gyrotest.procedures.rest.budget import bias_budget, missing_contributions
 from gyrotest.procedures.rest.record import RestRecord
-from gyrotest.procedures.uncertainty import expanded
+from gyrotest.procedures.uncertainty import budgeted_result
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
@@ -15,16 +15,13 @@ def bias_result(record: RestRecord, model: NoiseModel, context: Context) -> Resu
     mean_dps = float(record.rate_dps.mean())
     share_dps = earth_share(context)
     budget = bias_budget(record, model, mean_dps, share_dps, context)
-    found = expanded(budget)
-    return Result(
+    return budgeted_result(
+        budget,
         name="bias",
         label="Bias",
         value=mean_dps - (share_dps or 0.0),
         unit="deg/s",
-        expanded_uncertainty=found.uncertainty,
-        coverage_factor=found.factor,
         condition=_condition(record, share_dps),
-        budget=budget,
         not_included=tuple(missing_contributions(record, context)),
     )
 

@@ -18,7 +18,7 @@ from gyrotest.procedures.scale_factor.uncertainty import (
 )
 from gyrotest.procedures.table_steps import missing_of_table
 from gyrotest.procedures.turns import Turns
-from gyrotest.procedures.uncertainty import by_statistics, expanded
+from gyrotest.procedures.uncertainty import budgeted_result, by_statistics, expanded
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
@@ -55,16 +55,13 @@ def slope_result(turns: Turns, slope: Linear, name: str, label: str, context: Co
     """Return a slope with its budget, in the unit of the output's scale factors."""
     unit = REPORTED[context.output.kind]
     budget = slope_budget(turns, slope, context, unit=unit)
-    whole = expanded(budget)
-    return Result(
+    return budgeted_result(
+        budget,
         name=name,
         label=label,
         value=slope.value * conversion_factor(slope_unit(turns), unit),
         unit=unit,
-        expanded_uncertainty=whole.uncertainty,
-        coverage_factor=whole.factor,
         condition=_span(turns, slope),
-        budget=budget,
         not_included=missing_of_slope(context),
     )
 
@@ -90,16 +87,13 @@ def bias_result(turns: Turns, context: Context) -> Result:
     """Return the output at rate 0 as a rate, less the Earth's share."""
     share_dps = earth_share(context)
     budget = bias_budget(turns, share_dps, context)
-    whole = expanded(budget)
-    return Result(
+    return budgeted_result(
+        budget,
         name="bias",
         label="Bias",
         value=turns.fit.bias.value - (share_dps or 0.0),
         unit="deg/s",
-        expanded_uncertainty=whole.uncertainty,
-        coverage_factor=whole.factor,
         condition=f"from the line at rate 0; {earth_words(share_dps)}",
-        budget=budget,
         not_included=missing_of_bias(turns, context),
     )
 

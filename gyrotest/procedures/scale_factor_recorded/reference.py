@@ -30,7 +30,7 @@ from gyrotest.procedures.scale_factor_recorded.results import (
     scale_factor_result,
     sign_remarks,
 )
-from gyrotest.procedures.uncertainty import by_statistics, expanded, rectangular
+from gyrotest.procedures.uncertainty import budgeted_result, by_statistics, rectangular
 from gyrotest.procedures.wording import plain, rate_text
 from gyrotest.records.plan import Context, Plan, Reduction
 from gyrotest.records.recording import Samples
@@ -172,16 +172,13 @@ def _bias(
         *of_meter_at_zero(record.outputs, samples.sampling, fit.slope, context),
         of_earth(share_dps),
     )
-    found = expanded(budget)
-    return Result(
+    return budgeted_result(
+        budget,
         name="bias",
         label="Bias",
         value=level_dps - (share_dps or 0.0),
         unit="deg/s",
-        expanded_uncertainty=found.uncertainty,
-        coverage_factor=found.factor,
         condition=f"where the line is at rest; {earth_words(share_dps)}",
-        budget=budget,
         not_included=(
             *(("offset of the reference at rest",) if offset is None else ()),
             *(("accuracy of the reference",) if share is None else ()),

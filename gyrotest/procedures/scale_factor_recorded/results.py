@@ -8,7 +8,7 @@ from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.meter import meter_contributions
 from gyrotest.procedures.scale_factor_recorded.outputs import REPORTED, Outputs
 from gyrotest.procedures.scaling import SCALE_FACTORS, Scaling
-from gyrotest.procedures.uncertainty import expanded, rectangular
+from gyrotest.procedures.uncertainty import budgeted_result, rectangular
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import Sampling
@@ -48,16 +48,13 @@ def scale_factor_result(
     not_included: tuple[str, ...],
 ) -> Result:
     """Return a scale factor with its budget, in the unit in which it was computed."""
-    found = expanded(budget)
-    return Result(
+    return budgeted_result(
+        budget,
         name="scale_factor",
         label="Scale factor",
         value=slope,
         unit=outputs.slope_unit,
-        expanded_uncertainty=found.uncertainty,
-        coverage_factor=found.factor,
         condition=condition,
-        budget=budget,
         not_included=not_included,
     )
 

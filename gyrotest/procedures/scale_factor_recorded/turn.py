@@ -25,7 +25,7 @@ from gyrotest.procedures.scale_factor_recorded.results import (
 )
 from gyrotest.procedures.scale_factor_recorded.turn_figures import turn_figure
 from gyrotest.procedures.scale_factor_recorded.turn_parameters import TurnParameters, turn_complaints
-from gyrotest.procedures.uncertainty import by_statistics, expanded, rectangular
+from gyrotest.procedures.uncertainty import budgeted_result, by_statistics, rectangular
 from gyrotest.procedures.wording import plain, rate_text
 from gyrotest.records.plan import Context, Plan, Reduction
 from gyrotest.records.recording import Samples, Sampling
@@ -203,16 +203,13 @@ def _bias(turned: _Turned, sampling: Sampling, scale_factor: Result, context: Co
         *of_meter_at_zero(turned.outputs, sampling, slope, context),
         of_earth(share_dps),
     )
-    total = expanded(budget)
-    return Result(
+    return budgeted_result(
+        budget,
         name="bias",
         label="Bias",
         value=level_dps - (share_dps or 0.0),
         unit="deg/s",
-        expanded_uncertainty=total.uncertainty,
-        coverage_factor=total.factor,
         condition=f"between the rests; {earth_words(share_dps)}",
-        budget=budget,
         not_included=tuple(
             dict.fromkeys((*scale_factor.not_included, *missing_of_meter(context, sampling)))
         ),
