@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 from gyrotest.procedures.table_steps import TableParameters, table_complaints
 from gyrotest.records.described import Described
@@ -16,8 +16,6 @@ _RATE = Quantity(40.0, "deg/s")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BiasReversalParameters(TableParameters):
     """Parameters of a bias-reversal case; its `duration` is that of each of the two steps."""
-
-    __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
 
     rate: Annotated[
         Quantity,

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from gyrotest.analysis.step_noise import SHORTEST_STEP
+from gyrotest.procedures.case_plan import plan_of_steps, step_samples
 from gyrotest.procedures.recorded_temperature import SENSOR
 from gyrotest.records.described import Described
 from gyrotest.records.plan import Plan, Soaking, Step
@@ -69,24 +70,19 @@ def same_set_point(one_degc: float, other_degc: float) -> bool:
 
 def temperature_plan(case: Case, parameters: TemperatureParameters) -> Plan:
     """Return one record at rest at each set point."""
-    interval_s = case.interval.to("s")
-    return Plan(
-        auxiliary=(SENSOR,),
-        warm_up_s=0.0 if case.warm_up is None else case.warm_up.to("s"),
-        interval_s=interval_s,
-        steps=tuple(
-            Step(
-                samples=round(case.duration.to("s") / interval_s),
-                name=f"{temperature:g} °C",
-                stimulus=Soaking(
-                    temperature_degc=temperature,
-                    soak_s=parameters.soak.to("s"),
-                    tolerance_c=parameters.tolerance.to("degC"),
-                ),
-            )
-            for temperature in parameters.set_points_degc
-        ),
+    steps = tuple(
+        Step(
+            samples=step_samples(case),
+            name=f"{temperature:g} °C",
+            stimulus=Soaking(
+                temperature_degc=temperature,
+                soak_s=parameters.soak.to("s"),
+                tolerance_c=parameters.tolerance.to("degC"),
+            ),
+        )
+        for temperature in parameters.set_points_degc
     )
+    return plan_of_steps(case, steps, auxiliary=(SENSOR,))
 
 
 def temperature_complaints(case: Case, parameters: TemperatureParameters) -> Iterator[tuple[str, str]]:
@@ -95,7 +91,7 @@ def temperature_complaints(case: Case, parameters: TemperatureParameters) -> Ite
         yield "parameters.soak", f"'{parameters.soak}' is less than zero"
     if parameters.tolerance.value <= 0:
         yield "parameters.tolerance", f"'{parameters.tolerance}' is not more than zero"
-    samples = round(case.duration.to("s") / case.interval.to("s"))
+    samples = step_samples(case)
     if samples < SHORTEST_STEP:
         shortest = SHORTEST_STEP * case.interval.to("s")
         yield (

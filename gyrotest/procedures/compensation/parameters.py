@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 from gyrotest.procedures.case_plan import plan_of_steps, step_samples
 from gyrotest.procedures.table_steps import TableParameters, table_complaints
@@ -17,8 +17,6 @@ _RATES = tuple(Quantity(one, "deg/s") for one in (15.0, 30.0, 50.0, 70.0))
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CompensationParameters(TableParameters):
     """Parameters of a compensation case; its `duration` is that of each step."""
-
-    __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
 
     scale_factor_from: Annotated[
         str,

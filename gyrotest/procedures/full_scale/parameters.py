@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 from gyrotest.procedures.table_steps import TableParameters, table_complaints
 from gyrotest.records.described import Described
@@ -20,8 +20,6 @@ _WHOLE = 1e-9
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FullScaleParameters(TableParameters):
     """Parameters of a measurement-range case; its `duration` is that of each step."""
-
-    __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
 
     linearity: Annotated[
         Quantity,

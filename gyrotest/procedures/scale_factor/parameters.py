@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 from gyrotest.analysis.step_noise import SHORTEST_STEP
 from gyrotest.procedures.scaling import SCALE_FACTORS
@@ -34,8 +34,6 @@ class Directions(StrEnum):
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScaleFactorParameters(TableParameters):
     """Parameters of a scale-factor case; its `duration` is that of each step."""
-
-    __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
 
     rates: Annotated[
         tuple[Annotated[Quantity, OfDimension(Dimension.RATE)], ...],

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 from gyrotest.procedures.case_plan import plan_of_steps, step_samples
 from gyrotest.procedures.table_steps import TableParameters, table_complaints
@@ -22,8 +22,6 @@ _OF_LEVEL = 1.0 / 3.0
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ThresholdParameters(TableParameters):
     """Parameters of a threshold case; its `duration` is that of each step."""
-
-    __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
 
     value: Annotated[
         Quantity,
@@ -52,8 +50,6 @@ class ThresholdParameters(TableParameters):
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResolutionParameters(ThresholdParameters):
     """Parameters of a resolution case."""
-
-    __pydantic_config__: ClassVar = {"extra": "forbid", "strict": True}
 
     around: Annotated[
         Quantity,
