@@ -20,10 +20,11 @@ def end():
     os.kill(os.{whom}(), signal.{name})
 
 kept = Acquisition._keep
-def keep(self, writer, block):
-    kept(self, writer, block)
+def keep(self, tracks, block):
+    kept(self, tracks, block)
     if block.first + len(block.flags) == 20:
-        writer.flush()
+        for writer in tracks._writers:
+            writer.flush()
         end()
         end()
 
