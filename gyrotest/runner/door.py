@@ -14,7 +14,7 @@ from gyrotest.errors import CertificateError, RefusedError
 from gyrotest.recordings.writer import check_free_space
 from gyrotest.records.result import Verdict
 from gyrotest.records.run import RunHeader
-from gyrotest.records.spec import SpecDocument
+from gyrotest.records.spec import Spec, SpecDocument
 from gyrotest.records.station import Station, StationDocument
 from gyrotest.runner.fitness import check_fitness
 from gyrotest.runner.folder import HEADER, RECORD, RunFolder
@@ -33,7 +33,9 @@ _SOFTWARE = (
     "pyarrow",
     "weasyprint",
 )
-_BYTES_A_SAMPLE = 120
+# A row of a recording, of which a temperature may stand beside each axis; and while segments become Parquet
+# it is there twice. The rest is for what a batch costs beside its rows.
+_BYTES_A_ROW, _BYTES_AN_AXIS, _SPARE = 17, 16, 1.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,7 +66,11 @@ def check_order(order: Order) -> None:
         for name, case in order.spec.spec.cases.items()
     )
     _check_out(order.out)
-    check_free_space(order.out, samples * len(order.serial_numbers) * _BYTES_A_SAMPLE)
+    check_free_space(order.out, samples * len(order.serial_numbers) * _bytes_a_sample(order.spec.spec))
+
+
+def _bytes_a_sample(spec: Spec) -> int:
+    return round(2 * _SPARE * (_BYTES_A_ROW + _BYTES_AN_AXIS * max(len(spec.output.axes), 1)))
 
 
 def check_serial_number(serial_number: str, pattern: str | None) -> None:
