@@ -171,7 +171,13 @@ class ScpiSupply:
             self._write(self._settings.protection_on)
         self._command("CURR", current_limit_a)
         self._command("VOLT", voltage_v)
-        self._refuse_errors()
+        try:
+            self._refuse_errors()
+        except InstrumentProtocolError as error:
+            raise InstrumentProtocolError(
+                f"{error} Asked for: {voltage_v:g} V, at most {current_limit_a:g} A, protection at"
+                f" {over_voltage_v:g} V; is that within what this output can do?"
+            ) from error
         self._read_back("VOLT:PROT", over_voltage_v, step=_STEP_V, unit="V")
         self._read_back("CURR", current_limit_a, step=_STEP_A, unit="A")
         self._read_back("VOLT", voltage_v, step=_STEP_V, unit="V")

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from gyrotest.errors import SpecError
 from gyrotest.records.result import Verdict
 from gyrotest.records.run import Outcome, PlannedItem
 from gyrotest.simulation.clock import VirtualClock
@@ -262,4 +263,169 @@ def test_a_digital_gyro_that_falls_silent_as_its_supply_fails_blames_the_supply(
     assert first.recording.samples > 2000
     assert second.outcome is Outcome.PASSED, ran.said
     assert record.verdict is Verdict.INCOMPLETE
+    assert not ran.output.on
+
+
+OF_GYROS = {
+    "unplugged": ("given up after 3 tries", "connection lost"),
+    "lost-frames": ("7 samples are lost, of 5000 1000 ppm are allowed (allowed_loss)", ""),
+    "lost-counter-period": ("48 samples are lost, of 5000 1000 ppm are allowed (allowed_loss)", ""),
+    "bad-crc": ("samples are lost, of 5000 1000 ppm are allowed (allowed_loss)", ""),
+    "overload-status": ("overload at sample N (range 400 deg/s)", ""),
+    "channel-error": ("reports a channel error or a failed self-check at sample N", ""),
+}
+
+
+@pytest.mark.parametrize("way", ["simulated", pytest.param("simulated:pty", marks=needs_pty)])
+@pytest.mark.parametrize("scenario", OF_GYROS)
+def test_what_befalls_a_digital_gyro_in_mid_run_is_said_and_the_record_kept(
+    tmp_path: Path, scenario: str, way: str
+) -> None:
+    said, event = OF_GYROS[scenario]
+    spec = digital(more="allowed_loss: 1000 ppm" if scenario != "bad-crc" else "allowed_loss: 10 ppm")
+    said = said if scenario != "bad-crc" else said.replace("1000 ppm", "10 ppm")
+    with bench_run(tmp_path, spec, of_gyro(way), scenario=scenario) as ran:
+        record = ran.carry_out()
+        first = ran.attempt(FIRST)
+    assert re.search(re.escape(said).replace("N", r"(19\d\d|2000)"), ran.said[FIRST]), ran.said[FIRST]
+    assert any(event in one for one in first.events) or not event
+    assert first.outcome is ran.attempt(SECOND).outcome is Outcome.ERROR
+    assert first.recording is not None
+    assert not first.recording.complete
+    assert first.recording.samples > 1400
+    assert [one.samples for one in first.recording.dwells] == [5000]
+    assert record.verdict is Verdict.INCOMPLETE
+    assert max(ran.took_s.values()) < 10.0
+    assert not ran.output.on
+
+
+REFUSED_AT_ONCE = {
+    "wrong-baud-rate": "is baud_rate that of the unit?",
+    "other-device": "serial number is 1235, the run is for 1234: connect that unit",
+    "other-configuration": "its mode is incremental_angle, the station says rate",
+}
+
+
+@pytest.mark.parametrize("model", ["STIM210", "STIM300"])
+@pytest.mark.parametrize("scenario", REFUSED_AT_ONCE)
+def test_another_unit_setting_or_baud_rate_is_refused_before_anything_is_acquired(
+    tmp_path: Path, scenario: str, model: str
+) -> None:
+    station = of_gyro("simulated", driver=model.lower())
+    with bench_run(tmp_path, digital(model), station, scenario=scenario) as ran:
+        begun_s = ran.bench.clock.now_s()
+        record = ran.carry_out()
+        assert ran.bench.clock.now_s() - begun_s < 15.0
+    for item in (FIRST, SECOND):
+        assert REFUSED_AT_ONCE[scenario] in ran.said[item]
+        assert ran.attempt(item).recording is None
+    assert record.verdict is Verdict.INCOMPLETE
+    assert max(ran.took_s.values()) < 10.0
+    assert not ran.output.on
+
+
+def test_losses_within_the_allowance_are_counted_and_judged_around(tmp_path: Path) -> None:
+    spec = digital(more="allowed_loss: 5 %\n    gaps: longest_stretch")
+    with bench_run(tmp_path, spec, STATION, scenario="lost-counter-period") as ran:
+        record = ran.carry_out()
+        first = ran.attempt(FIRST)
+    assert record.verdict is Verdict.PASS
+    assert first.recording is not None
+    assert first.recording.samples == 5000 - 48
+    assert any("48 samples lost in 1 gap" in one for one in first.remarks)
+
+
+BEYOND = (
+    DIGITAL.format(model="STIM300", mode="rate")
+    + """
+  first:
+    procedure: scale_factor
+    duration: 4 s
+    interval: 8 ms
+    axes: [z]
+    mountings: {z: [1, 0, 0]}
+    parameters: {rates: [100 deg/s, 550 deg/s], settle: 1 s}
+    limits: {scale_factor_error: {min: -1 %, max: 1 %}}
+"""
+)
+
+
+def test_a_rate_beyond_the_range_is_refused_by_its_step(tmp_path: Path) -> None:
+    fast = STATION.read_text("utf-8").replace("max_rate: 500", "max_rate: 900")
+    with bench_run(tmp_path / "digital", BEYOND, fast) as ran:
+        record = ran.carry_out()
+        is_safe(ran)
+    assert "overload at sample 0 (range 400 deg/s)" in ran.said[FIRST]
+    assert "(step 'turn 3' at 550 °/s)" in ran.said[FIRST]
+    assert record.verdict is Verdict.INCOMPLETE
+    wide = VOLTAGE + turns("first", "[40 deg/s, 80 deg/s, 150 deg/s]")
+    with bench_run(tmp_path / "voltage", wide, STATION) as ran:
+        record = ran.carry_out()
+    assert "step 'turn 5' at 150 °/s: 20 of 20 samples read" in ran.said[FIRST]
+    assert "the output stands at its limit" in ran.said[FIRST]
+    assert record.verdict is Verdict.INCOMPLETE
+
+
+def test_a_chamber_that_does_not_reach_its_temperature_is_said(tmp_path: Path) -> None:
+    spec = (
+        VOLTAGE
+        + """
+  first:
+    procedure: bias_temperature_sensitivity
+    duration: 20 s
+    interval: 1 s
+    mounting: [1, 0, 0]
+    parameters: {temperatures: [23 degC, 40 degC], soak: 1 min}
+    limits: {bias_temperature_sensitivity: {max: 60 deg/h/degC}}
+"""
+    )
+    with bench_run(tmp_path, spec, STATION, scenario="chamber-does-not-reach") as ran:
+        record = ran.carry_out()
+    assert "40 °C is asked for, found 23.00 °C after 20 min" in ran.said[FIRST]
+    assert record.verdict is Verdict.INCOMPLETE
+    kept = ran.attempt(FIRST).recording
+    assert kept is not None
+    assert (kept.samples, len(kept.dwells)) == (20, 1)
+
+
+ONE_SIGN = turns("first", "[20 deg/s, 40 deg/s]").replace(
+    "settle: 1 s", "settle: 1 s, directions: as_given"
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            turns("first", "[20 deg/s]"),
+            r"spec\.yaml:\d+: cases\.first\.parameters\.rates: 1 rate is too few",
+        ),
+        (
+            ONE_SIGN.replace("nonlinearity", "asymmetry"),
+            r"spec\.yaml:\d+: cases\.first\.limits\.asymmetry: needs two rates of each sign",
+        ),
+    ],
+)
+def test_rates_that_are_too_few_are_refused_with_their_line(
+    tmp_path: Path, text: str, said: str
+) -> None:
+    with pytest.raises(SpecError, match=said), bench_run(tmp_path, VOLTAGE + text, STATION):
+        pass
+
+
+def test_rates_of_one_sign_leave_the_asymmetry_out(tmp_path: Path) -> None:
+    with bench_run(tmp_path, VOLTAGE + ONE_SIGN, STATION) as ran:
+        record = ran.carry_out()
+        found = {one.name: one.value for one in ran.attempt(FIRST).results}
+    assert record.verdict is Verdict.PASS
+    assert found.get("asymmetry") is None
+    assert found["scale_factor"] is not None
+
+
+def test_a_protection_beyond_the_supply_says_what_was_asked_of_it(tmp_path: Path) -> None:
+    spec = VOLTAGE.replace("over_voltage: 5.5 V", "over_voltage: 50 V") + REST
+    with bench_run(tmp_path, spec, STATION) as ran:
+        ran.carry_out()
+    assert "Data out of range" in ran.said[AT_REST]
+    assert "5 V, at most 0.1 A, protection at 50 V" in ran.said[AT_REST]
     assert not ran.output.on
