@@ -113,7 +113,9 @@ class Acquisition:
             if block is None:
                 break
             self._keep(tracks, block)
+            # What the samples say of themselves, a restart say, is nearer the cause than how many are lost.
             plausibility.push(block)
+            self._refuse_loss()
             self.stimulation.watch()
             faults = 0
         lost = step.samples - self._next
@@ -140,7 +142,6 @@ class Acquisition:
         if self._base or self._offset_s:
             block = replace(block, first=self._base + block.first, time_s=block.time_s + self._offset_s)
         self.progress.push(tracks.push(block))
-        self._refuse_loss()
 
     def _count_missing(self, first: int) -> None:
         self._missing += first - self._next

@@ -431,3 +431,22 @@ def test_a_protection_beyond_the_supply_says_what_was_asked_of_it(tmp_path: Path
     assert "Data out of range" in ran.said[AT_REST]
     assert "5 V, at most 0.1 A, protection at 50 V" in ran.said[AT_REST]
     assert not ran.output.on
+
+
+def test_a_digital_gyro_that_starts_anew_in_mid_run_is_refused(tmp_path: Path) -> None:
+    with bench_run(tmp_path, digital(), of_gyro("simulated")) as ran:
+        off_s: list[float] = []
+
+        def glitch(output: SimulatedOutput, now_s: float) -> None:
+            output.switch(now_s, on=False)
+            off_s.append(now_s)
+
+        fail_in_mid_run(ran, glitch)
+        once(
+            ran,
+            lambda now_s: bool(off_s) and now_s > off_s[0] + 1.0,
+            lambda now_s: ran.output.switch(now_s, on=True),
+        )
+        record = ran.carry_out()
+    assert "the unit starts up anew at sample" in ran.said[FIRST], ran.said
+    assert record.verdict is Verdict.INCOMPLETE
