@@ -49,7 +49,7 @@ supply: {voltage: 5 V, current_limit: 500 mA, over_voltage: 5.5 V}
 cases:
   still:
     procedure: static
-    duration: 20 s
+    duration: 8 s
     interval: 8 ms
     mountings: {x: [0, 1, 0], y: [0, 0, 1], z: [1, 0, 0]}
     parameters: {smoothing: [1 s]}
@@ -146,29 +146,18 @@ def agree(project: Project, part: str, whole: str = "reports") -> set[str]:
 
 
 @posix
-def test_a_run_that_is_ended_in_mid_turn_leaves_the_bench_safe(project: Project) -> None:
-    project.write("specs/table.yaml", TABLE)
-    ended = end_in_mid_run(project, kill(signal.SIGINT), spec="table.yaml", at=70)
-    assert ended.code == 2, ended.out
-    assert left(project)["turned_deg"] < 0.01
-    assert left(project)["on"] is False
-    record = project.record()
-    assert record["verdict"] == "INCOMPLETE"
-    attempt = record["items"][0]["attempts"][0]
-    assert attempt["outcome"] == "interrupted"
-    assert [one["rate_dps"] for one in attempt["recording"]["dwells"]] == [0.0, 20.0, -20.0, 40.0]
-    assert 70 <= attempt["recording"]["samples"] < 80
-    assert "INCOMPLETE" in project.certificates()[0].name
-
-
-@posix
-def test_what_was_interrupted_goes_on_and_every_part_has_the_values_of_the_whole(
+def test_a_run_that_is_ended_in_mid_turn_is_safe_goes_on_and_has_the_values_of_the_whole(
     project: Project,
 ) -> None:
     project.write("specs/table.yaml", TABLE)
     ended = end_in_mid_run(project, kill(signal.SIGTERM), spec="table.yaml", at=70)
     assert ended.code == 2, ended.out
     assert left(project) == {"turned_deg": pytest.approx(0.0, abs=0.01), "on": False}
+    attempt = project.record()["items"][0]["attempts"][0]
+    assert attempt["outcome"] == "interrupted"
+    assert [one["rate_dps"] for one in attempt["recording"]["dwells"]] == [0.0, 20.0, -20.0, 40.0]
+    assert 70 <= attempt["recording"]["samples"] < 80
+    assert "INCOMPLETE" in project.certificates()[0].name
     (run,) = project.runs()
     project.write("conftest.py", "")
     whole, part, resumed = project.sessions(
@@ -232,6 +221,7 @@ def test_what_the_table_cannot_do_is_refused_and_nothing_is_sent(project: Projec
     assert not (project.path / "reports").exists()
 
 
+@pytest.mark.slow
 def test_axes_dwells_and_exports_are_reported_verified_and_judged_anew(project: Project) -> None:
     project.write("specs/digital.yaml", DIGITAL)
     ended = project.pytest(spec="digital.yaml")
@@ -242,9 +232,9 @@ def test_axes_dwells_and_exports_are_reported_verified_and_judged_anew(project: 
     stricter = project.write("stricter.yaml", DIGITAL.replace("max: 0.1 deg/s", "max: 1e-6 deg/s"))
     told = project.python(f"""
         from gyrotest.cli import main
-        print("codes:", main(["verify", "{run}"]), main(["report", "{run}"]), end=" ")
-        print(main(["judge", "{run}", "--spec", "{stricter}"]))
+        assert main(["verify", "{run}"]) == 0
+        assert main(["report", "{run}"]) == 0
+        main(["judge", "{run}", "--spec", "{stricter}"])
     """)
     assert told.code == 0, told.out
-    assert "codes: 0 0" in told.out.replace("\n", " ") or "0 0 1" in told.out, told.out
     assert "FAIL" in told

@@ -278,8 +278,14 @@ OF_GYROS = {
 }
 
 
-@pytest.mark.parametrize("way", ["simulated", pytest.param("simulated:pty", marks=needs_pty)])
-@pytest.mark.parametrize("scenario", OF_GYROS)
+@pytest.mark.parametrize(
+    ("scenario", "way"),
+    [
+        *((one, "simulated") for one in OF_GYROS),
+        pytest.param("unplugged", "simulated:pty", marks=needs_pty),
+        pytest.param("bad-crc", "simulated:pty", marks=needs_pty),
+    ],
+)
 def test_what_befalls_a_digital_gyro_in_mid_run_is_said_and_the_record_kept(
     tmp_path: Path, scenario: str, way: str
 ) -> None:
