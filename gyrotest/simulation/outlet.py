@@ -24,7 +24,7 @@ class Outlet(Protocol):
 
     @property
     def room(self) -> int:
-        """Bytes that may be sent now: so many that the line is half full at most; 0 where nobody listens."""
+        """Bytes that may be sent now: half of what the line holds, less where much is unread; 0 to nobody."""
 
     def receive(self) -> bytes:
         """What came from the other end."""
@@ -58,7 +58,7 @@ class TcpOutlet:
         """Bytes that may be sent now."""
         if self._connection is None:
             return 0
-        return max(0, _TCP_HOLDS // 2 - _unsent(self._connection))
+        return max(0, min(_TCP_HOLDS // 2, _TCP_HOLDS - _unsent(self._connection)))
 
     def receive(self) -> bytes:
         """What came from the other end; a new connection takes the place of the last one."""
@@ -141,7 +141,8 @@ class PtyOutlet:
             return 0
         import termios
 
-        return max(0, _PTY_HOLDS // 2 - _asked(self._their, termios.FIONREAD))
+        # What was sent just before may still be on its way to the reader, on a busy machine.
+        return max(0, min(_PTY_HOLDS // 2, _PTY_HOLDS - _asked(self._their, termios.FIONREAD)))
 
     def receive(self) -> bytes:
         """What came from the other end."""
