@@ -6,15 +6,19 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 READY_DEV := $(VENV)/.ready-dev
 
-.PHONY: demo test check bench docs clean
+.PHONY: demo test check coverage bench docs clean
 
 ## A certificate from the simulated bench; ends with its path.
 demo: $(READY)
 	$(BIN)/pytest --gyro-spec mems50.yaml --serial 1234
 	@ls -t "$(CURDIR)"/reports/1234/*/*.pdf | head -n 1
 
-## Everything that must hold: format, lint, types, import contracts, tests with branch coverage.
+## Everything that must hold: format, lint, types, import contracts, tests.
 test: check
+	$(BIN)/python -m pytest -n 2 --dist loadscope --no-loadscope-reorder
+
+## The tests with branch coverage, which takes half as long again; processes of their own are not counted.
+coverage: $(READY_DEV)
 	rm -f .coverage .coverage.*
 	$(BIN)/python -m pytest -n 2 --dist loadscope --no-loadscope-reorder --cov --cov-report=term:skip-covered
 
