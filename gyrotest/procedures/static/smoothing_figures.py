@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from gyrotest.procedures.drawn_units import Unit, rate_unit, time_unit
 from gyrotest.procedures.rest.record import RestRecord
-from gyrotest.procedures.static.bins import MOST_BINS, binned, drawn
+from gyrotest.procedures.static.bins import MOST_BINS, Bins, binned, drawn
 from gyrotest.procedures.static.parameters import StaticParameters, stability_name
 from gyrotest.procedures.wording import plain
 from gyrotest.records.figure import Band, Curve, Figure, Panel, Role, Width
@@ -73,12 +73,16 @@ def _scales(widest: NDArray[np.float64], record: RestRecord) -> _Scales:
 
 
 def _figure(smoothed: _Smoothed, result: Result | None, scales: _Scales) -> Figure:
-    told = f"Averages of {smoothed.smoothing}, on the scale of its neighbours{_deviation(result)}."
+    bins = binned(smoothed.averages, math.ceil(smoothed.averages.size / (MOST_BINS // _ABREAST)))
+    several = f" (shaded: all of them; line: means of {bins.size})" if bins.size > 1 else ""
+    told = (
+        f"Averages of {smoothed.smoothing}{several}, on the scale of its neighbours{_deviation(result)}."
+    )
     return Figure(
         name=f"smoothed_{str(smoothed.smoothing).replace(' ', '')}",
         title=f"Smoothed, {smoothed.smoothing}",
         width=Width.NARROW,
-        panels=(_panel(smoothed, scales),),
+        panels=(_panel(smoothed, bins, scales),),
         caption=told,
         alt=told,
     )
@@ -90,8 +94,7 @@ def _deviation(result: Result | None) -> str:
     return f"; σ = {plain(result.value * conversion_factor(result.unit, 'deg/h'), 4)} °/h"
 
 
-def _panel(smoothed: _Smoothed, scales: _Scales) -> Panel:
-    bins = binned(smoothed.averages, math.ceil(smoothed.averages.size / MOST_BINS))
+def _panel(smoothed: _Smoothed, bins: Bins, scales: _Scales) -> Panel:
     middles = (np.arange(bins.mean.size) + 0.5) * bins.size * smoothed.smoothing.to("s")
     x = drawn(np.asarray(smoothed.begin_s + middles, dtype=np.float64), scales.time)
     band = Band(x=x, lower=drawn(bins.lowest, scales.rate), upper=drawn(bins.highest, scales.rate))
