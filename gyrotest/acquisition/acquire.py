@@ -60,7 +60,7 @@ class Acquisition:
     def _carry_out(self, tracks: Tracks, step: Step, number: int) -> None:
         """Bring the stimulus about, sample, and put on record what was there, also when it breaks off."""
         if len(self.plan.steps) > 1:
-            self.progress.note(f"step {number} of {len(self.plan.steps)}: {step.name}")
+            self.progress.note(f"{_step_words(step)}, {number} of {len(self.plan.steps)}")
         asked_s = self.clock.now_s()
         with self._told_of(step):
             self.stimulation.reach(step)

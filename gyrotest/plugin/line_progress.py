@@ -49,7 +49,7 @@ class LineProgress:
             return
         self._written = time.monotonic()
         done = block.first + len(block.flags)
-        shown = self._reading(float(block.values[-1, 0]), self._header.sampling.unit)
+        shown = self._reading.all_of(block, self._header.sampling)
         self.note(
             f"{self._header.item}: {done} of {self._header.planned_samples}, {shown}{self._lowest()}"
         )

@@ -155,7 +155,7 @@ class LiveProgress:
     def _indication(self, header: RecordingHeader) -> str:
         if self._last is None:
             return ""
-        return self._reading(float(self._last.values[-1, 0]), header.sampling.unit)
+        return self._reading.all_of(self._last, header.sampling)
 
     def _how_far(self, header: RecordingHeader, columns: int) -> str:
         done = 0 if self._last is None else self._last.first + len(self._last.flags)

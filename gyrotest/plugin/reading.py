@@ -1,6 +1,7 @@
 """An indication as the operator reads it, and how it becomes a rate."""
 
 from gyrotest.errors import UnitError
+from gyrotest.records.recording import Block, Sampling
 from gyrotest.records.spec import Output, OutputKind
 from gyrotest.units import conversion_factor
 
@@ -21,6 +22,14 @@ class Reading:
         if unit != "V" or self._scale is None:
             return f"{value:+.4f} {unit.replace('deg', '°')}"
         return f"{value:.6f} V = {(value - self._zero) / self._scale:+.4f} °/s"
+
+    def all_of(self, block: Block, sampling: Sampling) -> str:
+        """The last reading of every output of a block, by name where there are several."""
+        last, names = block.values[-1], sampling.channels
+        if len(names) == 1:
+            return self(float(last[0]), sampling.unit)
+        told = (f"{name} {self(float(last[place]), sampling.unit)}" for place, name in enumerate(names))
+        return ", ".join(told)
 
     def dps_per(self, unit: str) -> float | None:
         """Return the difference in rate that one of a unit stands for; None where it is none."""

@@ -204,6 +204,18 @@ def logged(monkeypatch: pytest.MonkeyPatch, *, source: str = "MY1234", real_time
     return opened.close().splitlines()[-1]
 
 
+def test_every_axis_is_read_by_its_name() -> None:
+    reading = Reading(Output(kind=OutputKind.RATE, axes=("x", "z")))
+    sampling = Sampling(interval_s=1.0, aperture_s=1.0, unit="deg/s", channels=("x", "z"))
+    block = Block(
+        first=0,
+        time_s=np.zeros(1),
+        values=np.array([[0.5, -1.25, 23.0]]),  # and a temperature, which is no output
+        flags=np.zeros(1, dtype=np.uint8),
+    )
+    assert reading.all_of(block, sampling) == "x +0.5000 °/s, z -1.2500 °/s"
+
+
 def test_a_line_names_the_lowest_point_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
     expected = r"rest-1234-r1: 900 of 900, .* °/s; Allan deviation so far: lowest \S+ °/h at τ = \S+ s"
     assert re.search(expected, logged(monkeypatch))

@@ -315,3 +315,27 @@ def test_more_samples_lost_than_allowed_end_the_acquisition(tmp_path: Path, cloc
     with pytest.raises(AcquisitionError, match=r"2 samples are lost, of 100 10000 ppm are allowed"):
         acquisition.run()
     assert acquisition.recordings[0].samples == SAMPLES - 2
+
+
+class Told(Silence):
+    """Progress that keeps its notes."""
+
+    def __init__(self) -> None:
+        self.notes: list[str] = []
+
+    def note(self, text: str) -> None:
+        self.notes.append(text)
+
+
+def test_each_step_of_several_is_told_as_it_begins(tmp_path: Path, clock: VirtualClock) -> None:
+    steps = (Step(samples=50, name="first"), Step(samples=50, name="second"))
+    acquisition = _acquisition(tmp_path, clock, Bench(clock, end=50))
+    acquisition.plan = Plan(warm_up_s=0.0, interval_s=1.0, steps=steps)
+    acquisition.progress = told = Told()
+    (recording,) = acquisition.run()
+    assert told.notes == ["step 'first', 1 of 2", "step 'second', 2 of 2"]
+    assert [(one.name, one.first, one.samples) for one in recording.dwells] == [
+        ("first", 0, 50),
+        ("second", 50, 50),
+    ]
+    assert recording.gaps == ()
