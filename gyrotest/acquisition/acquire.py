@@ -9,7 +9,7 @@ from gyrotest.acquisition.progress import Progress
 from gyrotest.acquisition.stimulation import Stimulation
 from gyrotest.acquisition.tracks import Track, Tracks
 from gyrotest.errors import AcquisitionError, GyrotestError, InstrumentError, OverloadError
-from gyrotest.ports import Clock, Playback, Source
+from gyrotest.ports import Clock, DigitalGyro, Playback, Source
 from gyrotest.records.plan import Plan, Step, Turning
 from gyrotest.records.recording import Block, Dwell, Gap, Recording
 
@@ -119,12 +119,18 @@ class Acquisition:
             self.stimulation.watch()
             faults = 0
         lost = step.samples - self._next
-        if lost and (self.allowed_loss is None or isinstance(self.source, Playback)):
+        if lost and not self._may_be_lost():
             raise AcquisitionError(self._ended_early(step))
         if lost:
             self._missing += lost
             self._note(f"the last {lost} samples of the step were lost on the way")
             self._refuse_loss()
+
+    def _may_be_lost(self) -> bool:
+        """Whether samples that lack at the end were lost on the way, and are no end of the source itself."""
+        if isinstance(self.source, Playback):
+            return False
+        return self.allowed_loss is not None or isinstance(self.source, DigitalGyro)
 
     def _ended_early(self, step: Step) -> str:
         interval_s = self.plan.interval_s

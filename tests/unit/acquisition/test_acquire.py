@@ -20,6 +20,7 @@ from gyrotest.errors import (
     OverloadError,
     RecordingError,
 )
+from gyrotest.records.bench import Device
 from gyrotest.records.plan import Plan, Step
 from gyrotest.records.recording import (
     Block,
@@ -308,6 +309,22 @@ def test_samples_lost_at_the_very_end_count_against_the_allowance(
     assert recording.complete
     assert recording.samples == SAMPLES - 1
     assert "the last 1 samples of the step were lost" in acquisition.events[0]
+
+
+class Gyro(Bench):
+    """A source that is the unit itself."""
+
+    def device(self) -> Device:
+        return Device()
+
+
+def test_of_a_digital_gyro_the_last_samples_may_be_lost_like_any(
+    tmp_path: Path, clock: VirtualClock
+) -> None:
+    acquisition = _acquisition(tmp_path, clock, Gyro(clock, end=SAMPLES - 1))
+    (recording,) = acquisition.run()
+    assert recording.complete
+    assert recording.samples == SAMPLES - 1
 
 
 def test_more_samples_lost_than_allowed_end_the_acquisition(tmp_path: Path, clock: VirtualClock) -> None:
