@@ -67,11 +67,11 @@ def time_limit_s(change_dps: float, acceleration_dps2: float) -> float:
     return _RUN_UP_MARGIN * abs(change_dps) / acceleration_dps2 + _GRACE_S
 
 
-def motion_faults(plan: Plan, motion: Motion, interval_s: float) -> tuple[str, ...]:
+def motion_faults(plan: Plan, motion: Motion) -> tuple[str, ...]:
     """What a table with this motion cannot do of a plan; nothing is commanded for it.
 
     Turns are counted through all steps from where the table stands before them: run-up (however long it
-    is waited for), settling, samples every `interval_s` s, run-down.
+    is waited for), settling, samples, run-down.
     """
     most_dps = motion.max_rate.to(Dimension.RATE)
     faults = [
@@ -81,11 +81,11 @@ def motion_faults(plan: Plan, motion: Motion, interval_s: float) -> tuple[str, .
         if isinstance(step.stimulus, Turning) and not abs(step.stimulus.rate_dps) <= most_dps
     ]
     if not motion.slip_ring:
-        faults += _winding_faults(plan, motion, interval_s)
+        faults += _winding_faults(plan, motion)
     return tuple(faults)
 
 
-def _winding_faults(plan: Plan, motion: Motion, interval_s: float) -> list[str]:
+def _winding_faults(plan: Plan, motion: Motion) -> list[str]:
     turning = [one for one in plan.steps if isinstance(one.stimulus, Turning) and one.stimulus.rate_dps]
     if turning and motion.max_turns is None:
         return [
@@ -97,7 +97,7 @@ def _winding_faults(plan: Plan, motion: Motion, interval_s: float) -> list[str]:
         if isinstance(step.stimulus, Turning):
             swing.change(step.stimulus.rate_dps)
             swing.dwell(step.stimulus.settle_s)
-        swing.dwell(step.samples * interval_s)
+        swing.dwell(step.samples * plan.interval_s)
         needed = swing.farthest_deg() / _TURN_DEG
         if motion.max_turns is not None and needed > motion.max_turns:
             return [

@@ -55,4 +55,4 @@ def _turning_faults(plan: Plan, station: Station, name: str, slot: Slot) -> Iter
         return
     from gyrotest.acquisition.turning import motion_faults
 
-    yield from motion_faults(plan, motion, plan.interval_s)
+    yield from motion_faults(plan, motion)

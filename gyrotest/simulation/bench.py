@@ -15,7 +15,6 @@ from gyrotest.simulation.gyro_settings import gyro_parameters, unfit
 from gyrotest.simulation.occasion import Occasion
 from gyrotest.simulation.peer import Making, Peer
 from gyrotest.simulation.peers import is_simulated, make_peer
-from gyrotest.simulation.places import fitting_slots
 from gyrotest.simulation.scenarios import SCENARIOS, Scenario
 from gyrotest.simulation.settings import unknown_instruments
 from gyrotest.simulation.streaming import Streaming
@@ -53,7 +52,7 @@ class SimulatedBench:
         self._peers: dict[str, Peer] = {}
         self._workplaces: dict[str, Workplace] = {}
         self._addresses: dict[str, str] = {}
-        for slot in fitting_slots(station, spec.model):
+        for slot in station.slots_for(spec.model):
             self._check(station.slots[slot].source)
 
     def _check(self, source: str) -> None:

@@ -88,13 +88,13 @@ class Bench:
 
 
 def test_a_plan_within_the_motion_has_no_faults() -> None:
-    assert motion_faults(plan_of(10, -10, 200, -200), RING, 1.0) == ()
-    assert motion_faults(plan_of(10, -10), cables(1.0), 1.0) == ()
-    assert motion_faults(Plan(warm_up_s=0, interval_s=1, steps=()), cables(None), 1.0) == ()
+    assert motion_faults(plan_of(10, -10, 200, -200), RING) == ()
+    assert motion_faults(plan_of(10, -10), cables(1.0)) == ()
+    assert motion_faults(Plan(warm_up_s=0, interval_s=1, steps=()), cables(None)) == ()
 
 
 def test_every_rate_beyond_the_greatest_is_named() -> None:
-    faults = motion_faults(plan_of(10, 250, -300), RING, 1.0)
+    faults = motion_faults(plan_of(10, 250, -300), RING)
     assert len(faults) == 2
     assert faults[0].startswith("step '+250 deg/s': 250 deg/s is more than the table's 200 deg/s")
     assert faults[1].startswith("step '-300 deg/s'")
@@ -102,37 +102,37 @@ def test_every_rate_beyond_the_greatest_is_named() -> None:
 
 def test_the_step_that_winds_the_cables_up_is_named_with_the_turns() -> None:
     # 36 °/s for 1 s + 10 s are 1.1 turns a step, and the table is waited for up to 3 s more.
-    (fault,) = motion_faults(plan_of(36, 36, 36), cables(4.0), 1.0)
+    (fault,) = motion_faults(plan_of(36, 36, 36), cables(4.0))
     assert fault.startswith("step '+36 deg/s' takes the table up to 4.3 turns from its start")
     assert "the cables allow ±4 (motion.max_turns); order the rates alternately" in fault
 
 
 def test_rates_in_turn_need_fewer_turns_than_rates_one_after_the_other() -> None:
-    assert motion_faults(plan_of(36, -36, 36, -36), cables(2.5), 1.0) == ()
-    assert motion_faults(plan_of(36, 36, -36, -36), cables(2.5), 1.0)
+    assert motion_faults(plan_of(36, -36, 36, -36), cables(2.5)) == ()
+    assert motion_faults(plan_of(36, 36, -36, -36), cables(2.5))
 
 
 def test_turns_are_counted_from_run_up_to_run_down() -> None:
     # 200 °/s at 100 °/s²: 200° up, 200° down, 200° of settling, 3 s and a half ramp more waited for.
     plan = plan_of(200, samples=1)
     needed = (200 + 200 + 200 + 200 + 200 * (3.0 + 1.0)) / 360
-    assert motion_faults(plan, cables(needed + 0.01), 1.0) == ()
-    assert motion_faults(plan, cables(needed - 0.01), 1.0)
+    assert motion_faults(plan, cables(needed + 0.01)) == ()
+    assert motion_faults(plan, cables(needed - 0.01))
 
 
 def test_samples_count_with_their_interval_and_steps_without_a_rate_go_on_turning() -> None:
     plan = plan_of(36)
-    assert motion_faults(plan, cables(2.0), 0.1) == ()
+    assert motion_faults(replace(plan, interval_s=0.1), cables(2.0)) == ()
     going_on = replace(plan, steps=(*plan.steps, Step(samples=100)))
-    assert motion_faults(going_on, cables(2.0), 1.0)
+    assert motion_faults(going_on, cables(2.0))
 
 
 def test_a_station_that_says_nothing_of_its_cables_is_refused_unless_the_table_rests() -> None:
-    assert motion_faults(plan_of(0), cables(None), 1.0) == ()
-    (fault,) = motion_faults(plan_of(0, 10), cables(None), 1.0)
+    assert motion_faults(plan_of(0), cables(None)) == ()
+    (fault,) = motion_faults(plan_of(0, 10), cables(None))
     assert "neither a slip ring nor how far the cables let it turn" in fault
     soaking = Step(samples=1, stimulus=Soaking(temperature_degc=20.0, soak_s=1.0))
-    assert motion_faults(Plan(warm_up_s=0, interval_s=1, steps=(soaking,)), cables(None), 1.0) == ()
+    assert motion_faults(Plan(warm_up_s=0, interval_s=1, steps=(soaking,)), cables(None)) == ()
 
 
 def test_a_rate_is_reached_settled_and_read_back() -> None:
@@ -216,7 +216,7 @@ def test_a_plan_that_is_let_through_never_turns_beyond_the_cables(
 ) -> None:
     plan = plan_of(*rates_dps, samples=4)
     motion = cables(max_turns)
-    assume(not motion_faults(plan, motion, 1.0))
+    assume(not motion_faults(plan, motion))
     bench = Bench(motion)
     for step in plan.steps:
         assert isinstance(step.stimulus, Turning)
