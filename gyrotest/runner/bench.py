@@ -1,7 +1,7 @@
 """The opened bench: clock, sources, what moves and powers the units, and the simulated bench where it is one."""
 
 import contextlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ from gyrotest.records.plan import Plan
 from gyrotest.records.run import InstrumentUse, PlannedItem
 from gyrotest.records.spec import Case, Spec
 from gyrotest.records.station import Accuracy, Motion, Slot, Station
-from gyrotest.runner.drivers import Drivers
+from gyrotest.runner.drivers import Drivers, Openable
 from gyrotest.runner.items import Moment
 
 if TYPE_CHECKING:
@@ -150,11 +150,7 @@ class Bench:
         key = (place.supply, place.supply_output)
         if key not in self._supplies:
             supply = self._drivers.supply(*key)
-            self._open(
-                place.supply,
-                supply.close,
-                lambda: self._drivers.opened(key[0], self._resource(key[0]), supply),
-            )
+            self._open(place.supply, supply)
             self._supplies[key] = Power(supply, how, clock=self.clock, name=self._resource(place.supply))
         return self._supplies[key]
 
@@ -175,12 +171,11 @@ class Bench:
         from gyrotest.acquisition.turning import TableDrive
 
         if name not in self._tables:
-            table = self._drivers.table(name)
-            self._open(
-                name, table.close, lambda: self._drivers.opened(name, self._resource(name), table)
-            )
+            motion = self._motion(name)
+            table = self._drivers.table(name, motion)
+            self._open(name, table)
             self._tables[name] = TableDrive(
-                table, clock=self.clock, motion=self._motion(name), name=self._resource(name)
+                table, clock=self.clock, motion=motion, name=self._resource(name)
             )
         self._tables[name].take_up()
         return self._tables[name]
@@ -205,16 +200,14 @@ class Bench:
 
         if name not in self._chambers:
             chamber = self._drivers.chamber(name)
-            self._open(
-                name, chamber.close, lambda: self._drivers.opened(name, self._resource(name), chamber)
-            )
+            self._open(name, chamber)
             self._chambers[name] = ChamberDrive(chamber, clock=self.clock, name=self._resource(name))
         return self._chambers[name]
 
-    def _open(self, name: str, close: Callable[[], None], opened: Callable[[], InstrumentUse]) -> None:
+    def _open(self, name: str, driver: Openable) -> None:
         """Open what is left safe at the end, the last one first."""
-        self._uses[name] = opened()
-        self._safe.callback(close)
+        self._uses[name] = self._drivers.opened(name, self._resource(name), driver)
+        self._safe.callback(driver.close)
 
     # The simulated bench
 

@@ -1,13 +1,12 @@
 """Drivers made and opened: each port's constructor, from a station's entry of an instrument."""
 
 from collections.abc import Callable
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol
 
-from gyrotest.errors import RefusedError
 from gyrotest.ports import Chamber, Clock, PowerSupply, RateTable, Source
 from gyrotest.records.recording import Identity
 from gyrotest.records.run import InstrumentUse
-from gyrotest.records.station import Station
+from gyrotest.records.station import Motion, Station
 from gyrotest.registry import INSTRUMENTS, load
 
 
@@ -19,10 +18,6 @@ class Openable(Protocol):
 
     def close(self) -> None:
         """Leave it safe and disconnect."""
-
-
-DriverT = TypeVar("DriverT", bound=Openable)
-Open = Callable[[DriverT], InstrumentUse]
 
 
 class Drivers:
@@ -45,11 +40,8 @@ class Drivers:
         )
         return made
 
-    def table(self, name: str) -> RateTable:
-        """The driver of a rate table, not opened yet; raises `RefusedError`."""
-        motion = self._station.instruments[name].motion
-        if motion is None:
-            raise RefusedError(f"instrument '{name}': no 'motion' says how fast and how far it may turn")
+    def table(self, name: str, motion: Motion) -> RateTable:
+        """The driver of a rate table, not opened yet."""
         made: RateTable = self._made(name, self._address(name), motion=motion)
         return made
 
