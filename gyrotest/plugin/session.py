@@ -9,7 +9,7 @@ import pytest
 from gyrotest.acquisition.progress import Progress
 from gyrotest.plugin.prompt import Prompt
 from gyrotest.records.run import InstrumentUse, PlannedItem, RunHeader
-from gyrotest.runner.bench import Bench, SimulationChoice, check_choice
+from gyrotest.runner.bench import SERIAL, Bench, SimulationChoice, check_choice
 from gyrotest.runner.door import Order
 from gyrotest.runner.flow import UnitRun
 from gyrotest.runner.folder import RunFolder
@@ -97,8 +97,10 @@ class GyroSession:
 
     def _partners(self, run: UnitRun) -> tuple[UnitRun, ...]:
         """The runs of the units that the same source reads on other channels, in this process."""
-        slots = self.order.station.station.slots
-        if self.is_worker:
+        station = self.order.station.station
+        slots = station.slots
+        # A resource with the serial number in it is another one for each unit.
+        if self.is_worker or SERIAL in station.instruments[slots[run.header.slot].source].resource:
             return ()
         return tuple(
             other

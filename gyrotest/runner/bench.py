@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from gyrotest.simulation.bench import SimulatedBench
 
 
+SERIAL = "{serial}"
+"""Stands in a resource for the unit's serial number."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SimulationChoice:
     """What the command line says of the simulated bench; None: as the station says."""
@@ -66,7 +70,7 @@ class Bench:
         if self._simulated:
             self._simulated.insert(slot=slot, serial_number=serial_number)
         name = self.station.slots[slot].source
-        resource = self._resource(name).replace("{serial}", serial_number)
+        resource = self._resource(name).replace(SERIAL, serial_number)
         opened = self._sources.get((name, resource))
         if opened is None:
             if self._simulated:

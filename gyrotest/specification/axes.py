@@ -1,10 +1,10 @@
-"""What must hold of a gyro's axes, in the output and in each case; and of how the model is powered."""
+"""What must hold of a gyro's axes, in the output and in each case."""
 
 import math
 from collections import Counter
 from collections.abc import Iterator
 
-from gyrotest.records.spec import Case, Output, Supply
+from gyrotest.records.spec import Case, Output
 from gyrotest.specification.checked import Complaint
 from gyrotest.specification.shapes import nearest
 from gyrotest.specification.yaml_tree import KeyPath
@@ -54,17 +54,3 @@ def is_direction(axis: tuple[float, float, float]) -> bool:
     """Whether a vector has a direction."""
     length = math.hypot(*axis)
     return math.isfinite(length) and length > 0
-
-
-def supply_complaints(supply: Supply) -> Iterator[Complaint]:
-    """Give what is wrong with how the model is powered."""
-    for name in ("voltage", "current_limit", "over_voltage", "off_time"):
-        value = getattr(supply, name)
-        if value.value <= 0:
-            yield Complaint(("supply", name), f"'{value}' is not more than zero")
-    if supply.over_voltage.to("V") <= supply.voltage.to("V"):
-        message = (
-            f"'{supply.over_voltage}' is not above the voltage of '{supply.voltage}';"
-            " the protection would trip at once"
-        )
-        yield Complaint(("supply", "over_voltage"), message, (("supply", "voltage"),))

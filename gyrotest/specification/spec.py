@@ -10,11 +10,12 @@ from gyrotest.errors import SpecError
 from gyrotest.ports import Procedure
 from gyrotest.records.spec import Case, Output, OutputKind, Spec, SpecDocument
 from gyrotest.registry import PROCEDURES, load
-from gyrotest.specification.axes import output_axes_complaints, supply_complaints
+from gyrotest.specification.axes import output_axes_complaints
 from gyrotest.specification.cases import Catalogue, case_complaints
 from gyrotest.specification.checked import Complaint, checked, unrelated
 from gyrotest.specification.limits import unknown_measurand
 from gyrotest.specification.parameters import section_or_raise
+from gyrotest.specification.power import supply_complaints
 from gyrotest.specification.reading import known_faults, raise_faults
 from gyrotest.specification.yaml_document import read_yaml
 from gyrotest.units import Dimension, Quantity, same_dimension
