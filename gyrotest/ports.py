@@ -4,9 +4,9 @@ from collections.abc import Iterable
 from datetime import datetime
 from typing import Any, Protocol, runtime_checkable
 
-from gyrotest.records.bench import Device, Supplied
+from gyrotest.records.bench import DaqChannel, Device, Supplied
 from gyrotest.records.plan import Context, Plan, Reduction
-from gyrotest.records.recording import Block, Identity, Samples, Sampling
+from gyrotest.records.recording import Block, Identity, Samples, SampleStream, Sampling
 from gyrotest.records.result import Measurand, Result
 from gyrotest.records.spec import Case, Output
 
@@ -82,6 +82,19 @@ class Selecting(Protocol):
 
 
 @runtime_checkable
+class SyncDaq(Selecting, Protocol):
+    """A source with channels that one hardware clock takes, block by block of (n, channels) float64.
+
+    Its `Sampling` is `synchronous`; `offsets_s` are the channels' skews, which the reduction corrects.
+    It starts by itself or by a trigger, as its settings say. What it overran is missing from the grid
+    and told in its remarks.
+    """
+
+    def channels(self) -> tuple[DaqChannel, ...]:
+        """Every channel that it has, after `open`."""
+
+
+@runtime_checkable
 class DigitalGyro(Protocol):
     """A source that is itself the unit under test, and can say what it is and how it is set."""
 
@@ -119,6 +132,36 @@ class RateTable(Protocol):
 
     def close(self) -> None:
         """Stop, switch the drive off, disconnect; idempotent."""
+
+
+class VibrationDrive(Protocol):
+    """What drives an angular vibration table: levels are root mean squares of the table's rate.
+
+    Everything raises `InstrumentError` (a subclass that fits) with the resource in front, but `stop`
+    and `close`, which never raise and may be called at any time. What the drive cannot do, or the
+    station does not allow, is refused before anything is sent.
+    """
+
+    def open(self) -> Identity:
+        """Connect and ask who is there; moves nothing."""
+
+    def random(self, *, rms_dps: float, low_hz: float, high_hz: float) -> None:
+        """Move randomly between two frequencies, and return at once."""
+
+    def sine(self, *, rms_dps: float, frequency_hz: float) -> None:
+        """Move as a sine, and return at once."""
+
+    def sweep(self, *, rms_dps: float, low_hz: float, high_hz: float, duration_s: float) -> None:
+        """Begin a logarithmic sweep of that duration, and return at once."""
+
+    def check(self) -> None:
+        """See that it still does what it was asked for; raises `InstrumentError` where not."""
+
+    def stop(self) -> None:
+        """Bring the table to rest."""
+
+    def close(self) -> None:
+        """Stop and disconnect; idempotent."""
 
 
 class PowerSupply(Protocol):
@@ -162,7 +205,8 @@ class Chamber(Protocol):
 class Procedure(Protocol):
     """A test kind: what it measures, what it needs acquired, what it makes of it. No I/O.
 
-    It sees one axis at a time: of a gyro with several, `reduce` is called once for each.
+    It is `Reducing` or `StreamReducing`, and sees one axis at a time: of a gyro with several, its
+    samples are reduced once for each.
 
     `parameters` is the record (a frozen dataclass) that a case's `parameters:` are checked into.
     """
@@ -178,8 +222,21 @@ class Procedure(Protocol):
     def plan(self, case: Case, parameters: Any) -> Plan:
         """The acquisition of one repeat."""
 
+    def reduce_repeats(self, repeats: tuple[tuple[Result, ...], ...], context: Context) -> Reduction:
+        """Results over the repeats, from each repeat's results."""
+
+
+@runtime_checkable
+class Reducing(Procedure, Protocol):
+    """A procedure that is given an acquisition's samples all at once."""
+
     def reduce(self, samples: Samples, context: Context) -> Reduction:
         """Results and figures of one acquisition; raises `InsufficientDataError`."""
 
-    def reduce_repeats(self, repeats: tuple[tuple[Result, ...], ...], context: Context) -> Reduction:
-        """Results over the repeats, from each repeat's results."""
+
+@runtime_checkable
+class StreamReducing(Procedure, Protocol):
+    """A procedure that reads an acquisition's samples block by block: they may exceed the memory."""
+
+    def reduce_stream(self, stream: SampleStream, context: Context) -> Reduction:
+        """Results and figures of one acquisition; raises `InsufficientDataError`."""

@@ -71,6 +71,8 @@ class Dimension(StrEnum):
     CURRENT = "A"
     RATE_PER_TEMPERATURE = "deg/s/degC"
     RATIO_PER_TEMPERATURE = "ppm/degC"
+    RATE_PER_ACCELERATION = "deg/s/g"
+    RATE_PER_VOLTAGE = "deg/s/V"
 
     def spoken(self) -> str:
         """Return the name for messages, with its article."""
@@ -99,6 +101,8 @@ _SPOKEN = {
     Dimension.CURRENT: "a current",
     Dimension.RATE_PER_TEMPERATURE: "a rate per temperature",
     Dimension.RATIO_PER_TEMPERATURE: "a ratio per temperature",
+    Dimension.RATE_PER_ACCELERATION: "an angular rate per acceleration",
+    Dimension.RATE_PER_VOLTAGE: "an angular rate per voltage",
 }
 
 _EXAMPLES = {
@@ -119,6 +123,8 @@ _EXAMPLES = {
     Dimension.CURRENT: "200 mA",
     Dimension.RATE_PER_TEMPERATURE: "10 deg/h/degC",
     Dimension.RATIO_PER_TEMPERATURE: "100 ppm/degC",
+    Dimension.RATE_PER_ACCELERATION: "0.05 deg/s/g",
+    Dimension.RATE_PER_VOLTAGE: "20 deg/s/V",
 }
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?(?![0-9])")

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from gyrotest.errors import AcquisitionError
-from gyrotest.records.plan import Soaking, Step, Turning
+from gyrotest.records.plan import Soaking, Step, Stimulus, Turning
 
 
 class Turns(Protocol):
@@ -52,7 +52,7 @@ class Stimulation:
 
     table: Turns | None = None
     chamber: Soaks | None = None
-    _now: Turning | Soaking | None = None
+    _now: Stimulus | None = None
 
     def reach(self, step: Step) -> None:
         """Bring a step's stimulus about and wait until it has settled; raises `InstrumentError`."""

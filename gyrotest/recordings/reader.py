@@ -12,9 +12,9 @@ from gyrotest.recordings.digest import sha256_of
 from gyrotest.recordings.journal import Rows
 from gyrotest.recordings.layout import FOLDER
 from gyrotest.recordings.tally import Tally, gaps_in
-from gyrotest.records.recording import Recording, RecordingHeader, Samples, Sampling
+from gyrotest.records.recording import Recording, RecordingHeader, Samples, SampleStream, Sampling
 
-__all__ = ["Recovery", "gaps_in", "iterate", "read_header", "read_samples", "recover"]
+__all__ = ["Recovery", "gaps_in", "iterate", "read_header", "read_samples", "recover", "stream_samples"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,6 +70,24 @@ def read_samples(
     for part in iterate(path, columns):
         assembly.add(part)
     return assembly.samples(sampling or header.sampling)
+
+
+def stream_samples(
+    path: Path, *, columns: Sequence[int] | None = None, sampling: Sampling | None = None
+) -> SampleStream:
+    """A recording block by block; its blocks raise `RecordingError` if any of it is damaged.
+
+    `columns` are the places of those that are read (None: all), ascending; `sampling` describes them.
+    """
+    header = read_header(path)
+    described = sampling or header.sampling
+
+    def blocks() -> Iterator[Samples]:
+        for rows in iterate(path, columns):
+            yield Samples(sampling=described, values=rows.values, flags=rows.flags, index=rows.index)
+
+    rows = parquet.read_facts(path).rows if path.is_file() else _count(path)
+    return SampleStream(sampling=described, samples=rows, blocks=blocks)
 
 
 def recover(folder: Path) -> Recovery:

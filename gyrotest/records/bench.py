@@ -32,3 +32,16 @@ class Supplied:
     current_a: float
     limiting: bool = False
     tripped: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DaqChannel:
+    """A channel of a synchronous source: its values are `scale` times what is transferred, in `unit`.
+
+    It is sampled `skew_s` later than the source's own instant.
+    """
+
+    name: str
+    unit: str
+    scale: float = 1.0
+    skew_s: float = 0.0

@@ -1,6 +1,6 @@
 """What an acquisition yields: sampling, blocks of samples, and the closed recording."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
 from enum import IntFlag
@@ -56,7 +56,9 @@ class Sampling:
     `channels` are the outputs, all in `unit`; for a gyro of several axes they bear the axes' names.
     `auxiliary` follows them. `offsets_s` is how much later than the first column each one is sampled
     (empty: all at once). `noise` is the source's own rms noise of one sample and `range` its range,
-    both in `unit`; None where not known.
+    both in `unit`; None where not known. `synchronous`: one hardware clock takes all columns, and
+    `offsets_s` are all there is between them, to within `skew_uncertainty_s` (a half-width; None: not
+    stated). `filter_hz` is the cut-off of the analogue low-pass in front of it (None: not stated).
     """
 
     interval_s: float
@@ -68,6 +70,9 @@ class Sampling:
     offsets_s: tuple[float, ...] = ()
     noise: float | None = None
     range: float | None = None
+    synchronous: bool = False
+    skew_uncertainty_s: float | None = None
+    filter_hz: float | None = None
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -117,7 +122,8 @@ class Dwell:
     Its samples have the positions `first` … `first + samples - 1` and began `began_s` after the
     recording did, `settling_s` after the stimulus was asked for. `rate_dps` and `temperature_degc`
     are what was asked for, the measured ones means of what the instrument read back (None: no such
-    stimulus, or nothing read back).
+    stimulus, or nothing read back). `vibration_dps` is the root mean square of the rate that a vibration
+    table was asked for.
     """
 
     name: str
@@ -129,6 +135,10 @@ class Dwell:
     measured_rate_dps: float | None = None
     temperature_degc: float | None = None
     measured_temperature_degc: float | None = None
+    position_deg: float | None = None
+    measured_position_deg: float | None = None
+    vibration_dps: float | None = None
+    frequency_hz: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -180,3 +190,15 @@ class Samples:
     flags: NDArray[np.uint8]
     index: NDArray[np.int64] | None = None
     time_s: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SampleStream:
+    """A recording's samples block by block, where a procedure does not want them all in memory.
+
+    `blocks()` begins anew each time it is called; every block is a `Samples` with its `index`.
+    """
+
+    sampling: Sampling
+    samples: int
+    blocks: Callable[[], Iterator[Samples]]

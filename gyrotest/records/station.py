@@ -9,6 +9,10 @@ from gyrotest.records.described import Described
 from gyrotest.units import Dimension, OfDimension, Quantity
 
 _NOTHING = Quantity(0.0, "%")
+_AZIMUTH_HALF_WIDTH = Quantity(1.0, "deg")
+_LEVEL = Quantity(0.0, "deg")
+_TILT_HALF_WIDTH = Quantity(0.05, "deg")
+_INDEX_HALF_WIDTH = Quantity(0.1, "deg")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,6 +85,70 @@ class Motion:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Shaft:
+    """How the level shaft of a rotation stage lies; angles are counted right-handed about it.
+
+    At the angle 0 the stage's z axis points up and its x axis horizontally to `azimuth`; y is the shaft.
+    """
+
+    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
+
+    azimuth: Annotated[
+        Quantity | None,
+        OfDimension(Dimension.ANGLE),
+        Described("Where the stage's x axis points at angle 0, clockwise from true north.", "37 deg"),
+    ] = None
+    azimuth_uncertainty: Annotated[
+        Quantity,
+        OfDimension(Dimension.ANGLE),
+        Described("Half-width of the azimuth's error.", "1 deg"),
+    ] = _AZIMUTH_HALF_WIDTH
+    tilt: Annotated[
+        Quantity,
+        OfDimension(Dimension.ANGLE),
+        Described("How far the shaft's y end lies above the horizontal, as measured.", "0.02 deg"),
+    ] = _LEVEL
+    tilt_uncertainty: Annotated[
+        Quantity,
+        OfDimension(Dimension.ANGLE),
+        Described("Half-width of the tilt's error.", "0.05 deg"),
+    ] = _TILT_HALF_WIDTH
+    index_uncertainty: Annotated[
+        Quantity,
+        OfDimension(Dimension.ANGLE),
+        Described("How far z may be from pointing up at angle 0: a half-width.", "0.1 deg"),
+    ] = _INDEX_HALF_WIDTH
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Encoder:
+    """What measures the angle of the table that carries the unit, by channels of the slot's source.
+
+    Either two sinusoids in quadrature of a grating with `lines` a turn, or the angle itself.
+    """
+
+    __pydantic_config__: ClassVar[Mapping[str, Any]] = {"extra": "forbid", "strict": True}
+
+    sine: Annotated[
+        str | None,
+        Described("Channel of the grating's sine signal, which leads when the angle grows.", "ua"),
+    ] = None
+    cosine: Annotated[str | None, Described("Channel of the grating's cosine signal.", "ub")] = None
+    lines: Annotated[int | None, Described("Lines of the grating in a turn.", "9000")] = None
+    angle: Annotated[
+        str | None, Described("Channel of the angle itself, where the encoder gives that.", "angle")
+    ] = None
+    reversed: Annotated[
+        bool, Described("Whether it counts against the direction that is positive for the unit.")
+    ] = False
+    accuracy: Annotated[
+        Quantity | None,
+        OfDimension(Dimension.ANGLE),
+        Described("Half-width of the angle's error within a turn.", "5 arcsec"),
+    ] = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Instrument:
     """One instrument of the bench. `settings` are the driver's own and checked by it."""
 
@@ -105,6 +173,13 @@ class Instrument:
         Described(
             "Of a rate table: how far and how fast it may turn.",
             "{max_rate: 200 deg/s, max_acceleration: 100 deg/s/s, slip_ring: true}",
+        ),
+    ] = None
+    shaft: Annotated[
+        Shaft | None,
+        Described(
+            "Of a rotation stage with a level shaft: how that lies.",
+            "{azimuth: 37 deg, azimuth_uncertainty: 1 deg}",
         ),
     ] = None
     io_timeout: Annotated[
@@ -159,6 +234,24 @@ class Slot:
     chamber: Annotated[
         str | None, Described("The temperature chamber around the unit, by its name in this file.")
     ] = None
+    vibration: Annotated[
+        str | None,
+        Described("What drives the vibration table that carries the unit, by its name in this file."),
+    ] = None
+    encoder: Annotated[
+        Encoder | None,
+        Described(
+            "What measures the angle of the table that carries the unit.",
+            "{sine: ua, cosine: ub, lines: 9000}",
+        ),
+    ] = None
+    frame: Annotated[
+        Mapping[str, str],
+        Described(
+            "How the unit's own axes lie in the stage's: x horizontal and z up at angle 0, y along the shaft.",
+            "{x: z, y: x, z: y}",
+        ),
+    ] = field(default_factory=lambda: {"x": "x", "y": "y", "z": "z"})
     models: Annotated[
         tuple[str, ...],
         Described(

@@ -5,10 +5,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from gyrotest.conformity import judge
-from gyrotest.recordings.reader import read_samples
+from gyrotest.errors import GyrotestError
+from gyrotest.ports import Reducing, StreamReducing
+from gyrotest.recordings.reader import read_samples, stream_samples
 from gyrotest.records.figure import Figure
-from gyrotest.records.plan import Plan, Reduction
-from gyrotest.records.recording import Samples, Sampling
+from gyrotest.records.plan import Context, Plan, Reduction
+from gyrotest.records.recording import Recording, Samples, SampleStream, Sampling
 from gyrotest.records.result import JudgedResult, Result
 from gyrotest.records.run import Attempt
 from gyrotest.records.spec import Case, Output, Over
@@ -45,8 +47,40 @@ def axis_case(case: Case, axis: str) -> Case:
     return replace(case, mounting=case.mountings.get(axis)) if case.mountings else case
 
 
+def reduced(planned: PlannedCase, recording: Recording, path: Path, context: Context) -> Reduction:
+    """Have a procedure reduce an axis's part of a recording: in one piece, or block by block."""
+    procedure, sampling = planned.procedure, recording.header.sampling
+    if isinstance(procedure, StreamReducing):
+        return procedure.reduce_stream(axis_stream(path, sampling, context.axis, planned.plan), context)
+    if not isinstance(procedure, Reducing):
+        raise GyrotestError(
+            f"procedure '{planned.case.procedure}': has neither 'reduce' nor 'reduce_stream'; give it one"
+        )
+    return procedure.reduce(axis_samples(path, sampling, context.axis, planned.plan), context)
+
+
 def axis_samples(recording: Path, sampling: Sampling, axis: str, plan: Plan) -> Samples:
-    """Read an axis's samples of a recording, and what the plan's reduction looks at beside them."""
+    """Read an axis's samples of a recording, and what the plan's reduction looks at beside it."""
+    read = _axis_columns(sampling, axis, plan)
+    return read_samples(recording, columns=read.columns, sampling=read.sampling)
+
+
+def axis_stream(recording: Path, sampling: Sampling, axis: str, plan: Plan) -> SampleStream:
+    """The same block by block."""
+    read = _axis_columns(sampling, axis, plan)
+    return stream_samples(recording, columns=read.columns, sampling=read.sampling)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _AxisColumns:
+    """The places of the columns that are read, and how these are sampled."""
+
+    columns: tuple[int, ...]
+    sampling: Sampling
+
+
+def _axis_columns(sampling: Sampling, axis: str, plan: Plan) -> _AxisColumns:
+    """Choose an axis's column, and what the plan's reduction looks at beside it."""
     column = sampling.channels.index(axis) if axis else 0
     beside = {
         place: one
@@ -54,13 +88,15 @@ def axis_samples(recording: Path, sampling: Sampling, axis: str, plan: Plan) -> 
         if one.name.startswith(plan.auxiliary) and not _of_another(one.name, axis, sampling)
     }
     columns, offsets = (column, *beside), sampling.offsets_s
-    of_axis = replace(
-        sampling,
-        channels=(sampling.channels[column],),
-        auxiliary=tuple(beside.values()),
-        offsets_s=tuple(offsets[place] for place in columns) if offsets else (),
+    return _AxisColumns(
+        columns=columns,
+        sampling=replace(
+            sampling,
+            channels=(sampling.channels[column],),
+            auxiliary=tuple(beside.values()),
+            offsets_s=tuple(offsets[place] for place in columns) if offsets else (),
+        ),
     )
-    return read_samples(recording, columns=columns, sampling=of_axis)
 
 
 def _of_another(name: str, axis: str, sampling: Sampling) -> bool:

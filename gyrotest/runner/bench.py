@@ -86,7 +86,7 @@ class Bench:
         """The instruments that were opened for a slot, its source first."""
         place = self.station.slots[slot]
         sources = [one.use for (name, _), one in self._sources.items() if name == place.source]
-        others = (place.table, place.supply, place.chamber)
+        others = (place.table, place.vibration, place.supply, place.chamber)
         return (*sources, *(self._uses[name] for name in others if name in self._uses))
 
     def drop(self, opened: OpenSource) -> None:

@@ -26,7 +26,7 @@ def configured(
     if isinstance(source, Selecting):
         source.select(
             tuple(name for slot in slots for name in slot_outputs(slot)),
-            tuple(name for slot in slots for name in slot.auxiliary.values()),
+            tuple(dict.fromkeys(name for slot in slots for name in slot_auxiliary(slot).values())),
         )
     sampling = source.configure(interval_s)
     return tuple(share(sampling, slot, axes, opened.use.resource) for slot in slots)
@@ -37,6 +37,19 @@ def slot_outputs(slot: Slot) -> tuple[str, ...]:
     if slot.channels:
         return tuple(slot.channels.values())
     return () if slot.channel is None else (slot.channel,)
+
+
+def slot_auxiliary(slot: Slot) -> dict[str, str]:
+    """What is recorded beside a slot's outputs: a name for each, and the instrument's channel."""
+    encoder = slot.encoder
+    if encoder is None:
+        return dict(slot.auxiliary)
+    read = {
+        "encoder_sine": encoder.sine,
+        "encoder_cosine": encoder.cosine,
+        "encoder_angle": encoder.angle,
+    }
+    return dict(slot.auxiliary) | {name: one for name, one in read.items() if one is not None}
 
 
 def share(sampling: Sampling, slot: Slot, axes: tuple[str, ...], who: str) -> Share:
@@ -87,15 +100,16 @@ def _outputs(sampling: Sampling, slot: Slot, names: tuple[str, ...], who: str) -
 
 def _auxiliary(sampling: Sampling, slot: Slot, who: str) -> dict[str, str]:
     known = {one.name for one in sampling.auxiliary}
-    if not slot.auxiliary:
+    wanted = slot_auxiliary(slot)
+    if not wanted:
         return {one.name: one.name for one in sampling.auxiliary}
-    lacking = [one for one in slot.auxiliary.values() if one not in (*known, *sampling.channels)]
+    lacking = [one for one in wanted.values() if one not in (*known, *sampling.channels)]
     if lacking:
         raise InstrumentError(
-            f"{who}: has no channel {', '.join(lacking)}, which the slot's 'auxiliary' names; it gives"
-            f" {', '.join(sampling.columns)}"
+            f"{who}: has no channel {', '.join(lacking)}, which the slot's 'auxiliary' or 'encoder' names; it"
+            f" gives {', '.join(sampling.columns)}"
         )
-    return dict(slot.auxiliary)
+    return wanted
 
 
 def _place(sampling: Sampling, channel: str, who: str) -> int:

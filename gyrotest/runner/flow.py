@@ -18,8 +18,8 @@ from gyrotest.runner.axes import (
     axes_of,
     axis_case,
     axis_results,
-    axis_samples,
     judge_axes,
+    reduced,
 )
 from gyrotest.runner.bench import Bench
 from gyrotest.runner.folder import RunFolder
@@ -206,9 +206,8 @@ class UnitRun:
         return tuple(
             AxisReduction(
                 axis=axis,
-                reduction=planned.procedure.reduce(
-                    axis_samples(path, recording.header.sampling, axis, planned.plan),
-                    self._context(item, planned, attempt, recording, axis),
+                reduction=reduced(
+                    planned, recording, path, self._context(item, planned, attempt, recording, axis)
                 ),
             )
             for axis in self._axes(planned)
@@ -247,6 +246,11 @@ class UnitRun:
             table=instruments[slot.table].accuracy if slot.table else None,
             chamber=instruments[slot.chamber].accuracy if slot.chamber else None,
             earlier=self._earlier(item, axis),
+            repeat=item.repeat,
+            encoder=slot.encoder,
+            frame=slot.frame,
+            placement=planned.plan.placement(item.repeat),
+            shaft=instruments[slot.table].shaft if slot.table else None,
         )
 
     def _earlier(self, item: PlannedItem, axis: str) -> Mapping[str, tuple[Result, ...]]:

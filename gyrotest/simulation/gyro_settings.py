@@ -34,6 +34,11 @@ _FIGURES = {
     "temperature_sensitivity": Figure(Dimension.RATE_PER_TEMPERATURE, "0 deg/s/degC"),
     "scale_factor_temperature_sensitivity": Figure(Dimension.RATIO_PER_TEMPERATURE, "0 ppm/degC"),
     "clock_error": Figure(Dimension.NUMBER, "0 ppm", signed=True),
+    "damping": Figure(Dimension.NUMBER, "0 %"),
+    "bandwidth_error": Figure(Dimension.NUMBER, "0 %"),
+    "delay": Figure(Dimension.TIME, "0 s"),
+    "g_sensitivity": Figure(Dimension.RATE_PER_ACCELERATION, "0 deg/s/g"),
+    "misalignment": Figure(Dimension.ANGLE, "0 deg"),
 }
 _SCALE_FACTORS = {
     OutputKind.VOLTAGE: Dimension.SCALE_FACTOR_VOLTAGE,
@@ -87,6 +92,11 @@ def gyro_parameters(
         temperature_sensitivity_dps_per_c=values["temperature_sensitivity"],
         scale_factor_sensitivity_per_c=values["scale_factor_temperature_sensitivity"] * 1e-6,
         clock_error=values["clock_error"],
+        damping=values["damping"],
+        bandwidth_error=values["bandwidth_error"],
+        delay_s=values["delay"],
+        g_sensitivity_dps_per_g=values["g_sensitivity"],
+        misalignment_deg=values["misalignment"],
     )
 
 

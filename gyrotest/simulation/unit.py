@@ -17,7 +17,9 @@ class GyroParameters:
     """A gyro model's true figures; what varies from unit to unit is a spread here.
 
     `turn_on_bias_dps` is a standard deviation over power cycles; `scale_factor_error`, `nonlinearity`,
-    `asymmetry` and the sensitivities are half-widths of rectangular distributions over units.
+    `asymmetry`, `bandwidth_error`, `misalignment_deg` and the sensitivities are half-widths of rectangular
+    distributions over units. With a `damping` the response is of second order, its −3 dB point at the
+    bandwidth, after a delay; without it the bandwidth shapes the noise alone.
     `scale_factor` and `zero_rate` are nominal, in output units per deg/s and output units. `axes` has
     one empty name for a gyro of a single axis.
     """
@@ -40,6 +42,11 @@ class GyroParameters:
     temperature_sensitivity_dps_per_c: float
     scale_factor_sensitivity_per_c: float
     clock_error: float
+    damping: float = 0.0
+    bandwidth_error: float = 0.0
+    delay_s: float = 0.0
+    g_sensitivity_dps_per_g: float = 0.0
+    misalignment_deg: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

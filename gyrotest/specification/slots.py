@@ -19,7 +19,7 @@ def slot_complaints(station: Station) -> Iterator[Complaint]:
 
 
 def _instrument_complaints(station: Station, slot: Slot, key: KeyPath) -> Iterator[Complaint]:
-    for part in ("source", "table", "supply", "chamber"):
+    for part in ("source", "table", "supply", "chamber", "vibration"):
         name: str | None = getattr(slot, part)
         if name is not None and name not in station.instruments:
             message = f"'{name}' is no instrument of this station; {nearest(name, station.instruments)}"
