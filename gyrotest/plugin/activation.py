@@ -20,6 +20,7 @@ from gyrotest.records.run import RunHeader
 from gyrotest.runner.bench import SimulationChoice
 from gyrotest.runner.door import Order, check_order, check_serial_number, open_run, reopen_run
 from gyrotest.runner.folder import RunFolder
+from gyrotest.runner.places import slots_of
 from gyrotest.simulation.complaints import simulation_faults
 from gyrotest.specification.lookup import find_spec, find_station
 from gyrotest.specification.spec import load_spec
@@ -84,7 +85,7 @@ def _open_runs(request: Request) -> list[tuple[RunFolder, RunHeader]]:
     order = request.order
     if request.resume is not None:
         return [reopen_run(order, request.resume)]
-    slots = order.station.station.slots_for(order.spec.spec.model)
+    slots = slots_of(order.spec.spec, order.station.station)
     return [
         open_run(order, serial_number, slots[index % len(slots)])
         for index, serial_number in enumerate(order.serial_numbers)

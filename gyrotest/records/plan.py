@@ -147,6 +147,11 @@ class Plan:
         return any(isinstance(step.stimulus, Turning | Rotating | Pointing) for step in self.steps)
 
     @property
+    def rotates(self) -> bool:
+        """Whether that has to be a stage with a level shaft."""
+        return any(isinstance(step.stimulus, Rotating | Pointing) for step in self.steps)
+
+    @property
     def vibrates(self) -> bool:
         """Whether a vibration table is needed."""
         return any(isinstance(step.stimulus, Vibrating) for step in self.steps)

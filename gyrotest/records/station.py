@@ -354,10 +354,27 @@ class Station:
         ),
     ] = None
 
-    def slots_for(self, model: str) -> tuple[str, ...]:
-        """The slots where a model goes: those that name it; where none does, those that name no model."""
-        naming = tuple(name for name, slot in self.slots.items() if model in slot.models)
-        return naming or tuple(name for name, slot in self.slots.items() if not slot.models)
+    def slots_for(self, model: str, *, vibrates: bool = False, rotates: bool = False) -> tuple[str, ...]:
+        """The slots where a model goes: those that name it; where none does, those that name no model.
+
+        Of these the ones on a vibration table or on a level shaft, where that is needed, and the others
+        where it is not; where there are none of the kind, all of them.
+        """
+        naming = [name for name, slot in self.slots.items() if model in slot.models]
+        open_to = naming or [name for name, slot in self.slots.items() if not slot.models]
+        of_kind = [
+            name
+            for name in open_to
+            if (self.slots[name].vibration is not None) == vibrates
+            and (self.shaft(name) is not None) == rotates
+        ]
+        return tuple(of_kind or open_to)
+
+    def shaft(self, slot: str) -> Shaft | None:
+        """How the level shaft lies that carries a slot; None where it is on no such stage."""
+        table = self.slots[slot].table
+        instrument = self.instruments.get(table) if table is not None else None
+        return instrument.shaft if instrument is not None else None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

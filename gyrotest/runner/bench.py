@@ -15,6 +15,7 @@ from gyrotest.records.spec import Case, Spec
 from gyrotest.records.station import Accuracy, Motion, Slot, Station
 from gyrotest.runner.drivers import Drivers, Openable
 from gyrotest.runner.items import Moment
+from gyrotest.runner.places import slots_of
 
 if TYPE_CHECKING:
     from gyrotest.acquisition.power import Power
@@ -286,5 +287,10 @@ def _simulated_bench(station: Station, spec: Spec, choice: SimulationChoice) -> 
     from gyrotest.simulation.bench import SimulatedBench
 
     return SimulatedBench(
-        station, spec, seed=choice.seed, scenario=choice.scenario, real_time=choice.real_time
+        station,
+        spec,
+        seed=choice.seed,
+        scenario=choice.scenario,
+        real_time=choice.real_time,
+        slots=slots_of(spec, station),
     )

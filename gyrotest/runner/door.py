@@ -19,6 +19,7 @@ from gyrotest.records.station import Station, StationDocument
 from gyrotest.runner.fitness import check_fitness
 from gyrotest.runner.folder import HEADER, RECORD, RunFolder
 from gyrotest.runner.items import planned_case, planned_items
+from gyrotest.runner.places import slots_of
 
 _SERIAL_NUMBER = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 _WINDOWS_DEVICE = re.compile(r"(?i)(con|prn|aux|nul|com[0-9]|lpt[0-9])(\..*)?")
@@ -99,7 +100,7 @@ def _refuse_twice(serial_numbers: Sequence[str]) -> None:
 
 
 def _check_slots(order: Order) -> None:
-    slots = order.station.station.slots_for(order.spec.spec.model)
+    slots = slots_of(order.spec.spec, order.station.station)
     if len(order.serial_numbers) > len(slots) and not order.one_after_another:
         raise RefusedError(
             f"{len(order.serial_numbers)} serial numbers, but station '{order.station.station.name}' has"

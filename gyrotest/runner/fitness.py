@@ -7,11 +7,12 @@ from gyrotest.records.plan import Plan
 from gyrotest.records.spec import Spec
 from gyrotest.records.station import Slot, Station
 from gyrotest.runner.items import planned_case
+from gyrotest.runner.places import slots_of
 
 
 def check_fitness(spec: Spec, station: Station) -> None:
     """Refuse a spec that the station cannot carry out, before anything moves; raises `RefusedError`."""
-    slots = station.slots_for(spec.model)
+    slots = slots_of(spec, station)
     if not slots:
         raise RefusedError(
             f"station '{station.name}' has no slot for a {spec.model}: every slot names other models"

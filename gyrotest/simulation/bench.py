@@ -1,6 +1,6 @@
 """The simulated bench: one physical world, one clock, a server for each simulated instrument."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Self
 
@@ -25,8 +25,9 @@ from gyrotest.simulation.workplace import Workplace
 class SimulatedBench:
     """Simulates every instrument of a station whose resource begins with `simulated`, on first use.
 
-    Raises `StationError` for a complaint about the station's `simulation`, or where a slot for the
-    spec's model has no source that could read it.
+    `slots` are those that the spec's units take (none given: those for its model). Raises `StationError`
+    for a complaint about the station's `simulation`, or where such a slot has no source that could read
+    the unit.
     """
 
     def __init__(
@@ -37,6 +38,7 @@ class SimulatedBench:
         seed: int | None = None,
         scenario: str | None = None,
         real_time: bool = False,
+        slots: Sequence[str] = (),
     ) -> None:
         simulation = station.simulation or Simulation()
         self._station = station
@@ -52,7 +54,7 @@ class SimulatedBench:
         self._peers: dict[str, Peer] = {}
         self._workplaces: dict[str, Workplace] = {}
         self._addresses: dict[str, str] = {}
-        for slot in station.slots_for(spec.model):
+        for slot in slots or station.slots_for(spec.model):
             self._check(station.slots[slot].source)
 
     def _check(self, source: str) -> None:

@@ -14,6 +14,7 @@ from gyrotest.records.run import Attempt, PlannedItem, RunRecord
 from gyrotest.runner.bench import Bench, SimulationChoice
 from gyrotest.runner.door import Order, check_order, open_run
 from gyrotest.runner.flow import UnitRun
+from gyrotest.runner.places import slots_of
 from gyrotest.simulation.bench import SimulatedBench
 from gyrotest.simulation.supply import SimulatedOutput
 from gyrotest.simulation.supply_peer import SupplyPeer
@@ -99,7 +100,7 @@ def bench_run(
         out=folder / "out",
     )
     check_order(order)
-    slot = order.station.station.slots_for(order.spec.spec.model)[0]
+    slot = slots_of(order.spec.spec, order.station.station)[0]
     run_folder, header = open_run(order, SERIAL_NUMBER, slot)
     bench = Bench(order.station.station, order.spec.spec, SimulationChoice(scenario=scenario))
     run = UnitRun(
