@@ -12,7 +12,7 @@ from gyrotest.records.figure import Figure
 from gyrotest.records.plan import Plan, Reduction, Step
 from gyrotest.records.recording import Auxiliary, Block, Identity, RecordingHeader, Sampling
 from gyrotest.records.spec import Case, Output, OutputKind
-from gyrotest.runner.axes import AxisReduction, axes_of, axis_case, axis_samples
+from gyrotest.runner.axes import AxisReduction, axes_of, axis_case, axis_samples, axis_stream
 from gyrotest.units import Quantity
 
 CASE = Case(
@@ -78,6 +78,30 @@ def test_what_is_recorded_beside_is_read_where_the_plan_asks_for_it(
     found = axis_samples(path, sampling, "z", _plan(*wanted))
     assert found.sampling.columns == tuple(sampling.columns[one] for one in columns)
     np.testing.assert_array_equal(found.values, np.arange(30.0).reshape(6, 5).T[:, list(columns)])
+
+
+def test_a_record_read_block_by_block_is_the_same_each_time(tmp_path: Path) -> None:
+    path, sampling = _recorded(tmp_path, beside=(Auxiliary(name="encoder_sine", unit="V"),))
+    whole = axis_samples(path, sampling, "y", _plan("encoder_"))
+    stream = axis_stream(path, sampling, "y", _plan("encoder_"))
+    assert (stream.samples, stream.sampling) == (5, whole.sampling)
+    for _ in range(2):
+        blocks = list(stream.blocks())
+        np.testing.assert_array_equal(np.concatenate([one.values for one in blocks]), whole.values)
+        np.testing.assert_array_equal(
+            np.concatenate([one.index for one in blocks if one.index is not None]), np.arange(5)
+        )
+
+
+def test_damage_of_a_record_read_block_by_block_is_found(tmp_path: Path) -> None:
+    path, sampling = _recorded(tmp_path)
+    stream = axis_stream(path, sampling, "x", _plan())
+    content = path.read_bytes()
+    path.write_bytes(content.replace(np.arange(5.0).tobytes(), np.arange(1.0, 6.0).tobytes()))
+    if path.read_bytes() == content:
+        path.write_bytes(content.replace(b'"rows": 5', b'"rows": 6'))
+    with pytest.raises(RecordingError):
+        list(stream.blocks())
 
 
 def test_damage_of_a_part_that_is_read_is_found(tmp_path: Path) -> None:
