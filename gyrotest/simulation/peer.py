@@ -112,3 +112,17 @@ class Heating(Protocol):
 
     def temperature_degc(self, times_s: NDArray[np.float64]) -> NDArray[np.float64]:
         """The true temperature at these times."""
+
+
+@runtime_checkable
+class Exciting(Protocol):
+    """What drives a vibration table."""
+
+    def drive_v(
+        self, first: int, count: int, *, origin_s: float, interval_s: float
+    ) -> NDArray[np.float64]:
+        """The drive voltage at `origin_s + (first … first + count - 1) · interval_s`, (count,), V.
+
+        None of these times is in the future; `first` may be negative. Noise is the same however many
+        are asked for at a time, and goes on from one origin to the next in real time.
+        """
