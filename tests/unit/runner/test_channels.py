@@ -4,8 +4,8 @@ import pytest
 
 from gyrotest.errors import InstrumentError
 from gyrotest.records.recording import Auxiliary, Sampling
-from gyrotest.records.station import Slot
-from gyrotest.runner.channels import share, slot_outputs
+from gyrotest.records.station import Encoder, Slot
+from gyrotest.runner.channels import share, slot_auxiliary, slot_outputs
 
 SCANNER = Sampling(
     interval_s=1.0,
@@ -52,6 +52,21 @@ def test_one_axis_of_several_may_be_named_as_the_channel() -> None:
     assert found.sampling.channels == ("output",)
 
 
+def test_the_signals_of_a_slots_encoder_are_recorded_under_names_of_their_own() -> None:
+    daq = Sampling(
+        interval_s=1e-4,
+        aperture_s=1e-4,
+        channels=("gyro_x", "gyro_z"),
+        auxiliary=(Auxiliary(name="ua", unit="V"), Auxiliary(name="ub", unit="V")),
+        synchronous=True,
+    )
+    slot = Slot(source="daq", channel="gyro_z", encoder=Encoder(sine="ua", cosine="ub", lines=9000))
+    found = share(daq, slot, (), "daq")
+    assert found.columns == (1, 2, 3)
+    assert found.sampling.columns == ("output", "encoder_sine", "encoder_cosine")
+    assert slot_auxiliary(slot) == {"encoder_sine": "ua", "encoder_cosine": "ub"}
+
+
 @pytest.mark.parametrize(
     ("slot", "axes", "told"),
     [
@@ -60,6 +75,7 @@ def test_one_axis_of_several_may_be_named_as_the_channel() -> None:
         (Slot(source="stim", channel="w"), (), "has no channel 'w'"),
         (Slot(source="stim", channels={"x": "x"}), ("x", "y"), "name none for axis y"),
         (Slot(source="stim", auxiliary={"t": "heat"}), ("x",), "has no channel heat"),
+        (Slot(source="stim", encoder=Encoder(angle="theta")), ("x",), "has no channel theta"),
     ],
 )
 def test_a_share_that_is_not_there_is_refused(slot: Slot, axes: tuple[str, ...], told: str) -> None:
