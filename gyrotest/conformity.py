@@ -71,7 +71,8 @@ def line(judged: JudgedResult) -> str:
     name = f"{judged.name} (axis {judged.axis})" if judged.axis else judged.name
     if judged.value is None:
         return f"{name}: {judged.reason or 'not evaluated'}{_limit_text(judged.limit)}"
-    text = f"{name} {'≤' if judged.at_most else '='} {_value_text(judged)}{_limit_text(judged.limit)}"
+    sign = "≤" if judged.at_most else "≥" if judged.at_least else "="
+    text = f"{name} {sign} {_value_text(judged)}{_limit_text(judged.limit)}"
     return f"{text} ({judged.reason})" if judged.reason else text
 
 
@@ -123,6 +124,7 @@ def _converted(result: Result, unit: str, case: str, repeat: int | None) -> tupl
         unit=unit,
         coverage_factor=result.coverage_factor,
         at_most=result.at_most,
+        at_least=result.at_least,
         condition=result.condition,
         value=kept["value"],
         expanded_uncertainty=kept["expanded_uncertainty"],
@@ -146,15 +148,32 @@ def _decide(judged: JudgedResult, limit: JudgedLimit) -> _Finding:
         return _Finding(
             verdict=Verdict.INCOMPLETE, reason="the limit has neither a minimum nor a maximum"
         )
-    if judged.at_most and limit.min is not None:
-        reason = "an upper bound cannot be held against a minimum"
-        return _Finding(verdict=Verdict.INCOMPLETE, reason=reason)
+    undecided = _undecided(judged, value, limit)
+    if undecided:
+        return _Finding(verdict=Verdict.INCOMPLETE, reason=undecided)
     if limit.decision is DecisionRule.SIMPLE:
         if _within(value, value, limit):
             return _Finding(verdict=Verdict.PASS)
-        reason = "an upper bound; the record shows no lower one" if judged.at_most else ""
-        return _Finding(verdict=Verdict.FAIL, reason=reason)
+        return _Finding(verdict=Verdict.FAIL, reason=_bound_words(judged, value, limit))
     return _guarded(_span(judged, value), limit, judged.not_included)
+
+
+def _undecided(judged: JudgedResult, value: float, limit: JudgedLimit) -> str:
+    """Say why a value that is only a bound tells nothing of a limit; empty where it does."""
+    if judged.at_most and limit.min is not None:
+        return "an upper bound cannot be held against a minimum"
+    if judged.at_least and limit.max is not None and value <= limit.max:
+        return "a lower bound cannot be held against a maximum"
+    return ""
+
+
+def _bound_words(judged: JudgedResult, value: float, limit: JudgedLimit) -> str:
+    """Say that the true value may lie on the right side of the limit that its bound does not meet."""
+    if judged.at_most:
+        return "an upper bound; the record shows no lower one"
+    if judged.at_least and limit.min is not None and value < limit.min:
+        return "a lower bound; the record shows no upper one"
+    return ""
 
 
 def _span(judged: JudgedResult, value: float) -> _Span:
@@ -163,6 +182,8 @@ def _span(judged: JudgedResult, value: float) -> _Span:
         lower, upper = value - judged.expanded_uncertainty, value + judged.expanded_uncertainty
     if judged.at_most:
         lower = -math.inf
+    if judged.at_least:
+        upper = math.inf
     return _Span(value=value, lower=lower, upper=upper)
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 
-from gyrotest.certificate.numbers import plain, significant
+from gyrotest.certificate.numbers import bounded, plain, significant
 from gyrotest.certificate.order import in_order
 from gyrotest.certificate.procedure_table import TableView
 from gyrotest.certificate.rows import ABSENT, repeat_words, row
@@ -92,4 +92,4 @@ def _measured(result: JudgedResult | None, figure: float) -> tuple[str, str]:
     if figure == 0.0:
         return measured, ABSENT
     ratio = significant(result.value / figure, digits=_DIGITS)
-    return measured, f"≤ {ratio}" if result.at_most else ratio
+    return measured, bounded(ratio, at_most=result.at_most, at_least=result.at_least)

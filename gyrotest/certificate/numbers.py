@@ -49,6 +49,12 @@ def printed(
     return Printed(value=parts[0], uncertainty=parts[1], lower=parts[2], upper=parts[3])
 
 
+def bounded(number: str, *, at_most: bool, at_least: bool) -> str:
+    """A number that is only an upper or a lower bound, with the sign that says so."""
+    sign = "≤ " if at_most else "≥ " if at_least else ""
+    return f"{sign}{number}"
+
+
 def plain(value: float, *, digits: int = 10) -> str:
     """A number as a person wrote it: the fewest digits, at most `digits` of them."""
     if value == 0:

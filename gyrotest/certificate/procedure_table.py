@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from gyrotest.certificate.numbers import printed, significant
+from gyrotest.certificate.numbers import bounded, printed, significant
 from gyrotest.records.table import Cell, Column, Table
 
 _LONG = 14
@@ -39,12 +39,9 @@ def _text(cell: Cell) -> str:
     if cell.value is None:
         return cell.text
     if cell.digits is not None:
-        return _bounded(significant(cell.value, digits=cell.digits), cell)
+        number = significant(cell.value, digits=cell.digits)
+        return bounded(number, at_most=cell.at_most, at_least=cell.at_least)
     shown = printed(cell.value, lower=cell.lower_95, upper=cell.upper_95)
     if cell.interval:
         return f"[{shown.lower}, {shown.upper}]"
-    return _bounded(shown.value, cell)
-
-
-def _bounded(number: str, cell: Cell) -> str:
-    return f"≤ {number}" if cell.at_most else number
+    return bounded(shown.value, at_most=cell.at_most, at_least=cell.at_least)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from gyrotest.certificate.gauge import Gauge, gauge
 from gyrotest.certificate.looks import LOOKS, Look
-from gyrotest.certificate.numbers import plain, printed
+from gyrotest.certificate.numbers import bounded, plain, printed
 from gyrotest.records.result import JudgedResult
 from gyrotest.units import printed_unit
 
@@ -49,7 +49,7 @@ def row(result: JudgedResult, condition: str = "") -> Row:
     return Row(
         repeat=repeat_words(result),
         condition=condition,
-        value=f"≤ {shown.value}" if result.at_most else shown.value,
+        value=bounded(shown.value, at_most=result.at_most, at_least=result.at_least),
         spread=spread,
         factor=f"k = {factor:.2f}" if factor is not None and shown.uncertainty else "",
         gauge=gauge(result, look.colour if look else "#4b5563"),

@@ -48,9 +48,9 @@ class Contribution:
 class Result:
     """A measured value in `unit`, with an expanded uncertainty or a 95 % interval.
 
-    `at_most` says that the value is an upper bound (printed with ≤). What was not evaluated is
-    None; where that is the value itself, `condition` says why. `not_included` names contributions
-    that could not be had.
+    `at_most` says that the value is an upper bound (printed with ≤), `at_least` that it is a lower one
+    (≥). What was not evaluated is None; where that is the value itself, `condition` says why.
+    `not_included` names contributions that could not be had.
     """
 
     name: str
@@ -62,6 +62,7 @@ class Result:
     lower_95: float | None = None
     upper_95: float | None = None
     at_most: bool = False
+    at_least: bool = False
     condition: str = ""
     budget: tuple[Contribution, ...] = ()
     not_included: tuple[str, ...] = ()
@@ -97,6 +98,7 @@ class JudgedResult:
     lower_95: float | None = None
     upper_95: float | None = None
     at_most: bool = False
+    at_least: bool = False
     condition: str = ""
     limit: JudgedLimit | None = None
     verdict: Verdict | None = None

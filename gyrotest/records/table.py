@@ -16,8 +16,8 @@ class Column:
 class Cell:
     """A text, or a number that is rounded for print as its 95 % interval asks.
 
-    `at_most`: the number is an upper bound (printed with ≤). `digits` asks for so many significant
-    digits instead. With `interval` the interval is printed and the number is not.
+    `at_most`: the number is an upper bound (printed with ≤), `at_least`: a lower one (≥). `digits` asks
+    for so many significant digits instead. With `interval` the interval is printed and the number is not.
     """
 
     text: str = ""
@@ -25,6 +25,7 @@ class Cell:
     lower_95: float | None = None
     upper_95: float | None = None
     at_most: bool = False
+    at_least: bool = False
     interval: bool = False
     digits: int | None = None
 

@@ -146,6 +146,7 @@ def _as_result(judged: JudgedResult) -> Result:
         lower_95=judged.lower_95,
         upper_95=judged.upper_95,
         at_most=judged.at_most,
+        at_least=judged.at_least,
         condition=judged.condition,
         budget=judged.budget,
         not_included=judged.not_included,

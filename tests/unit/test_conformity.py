@@ -124,6 +124,29 @@ def test_a_failed_upper_bound_says_what_it_is() -> None:
 
 
 @pytest.mark.parametrize("rule", list(DecisionRule))
+def test_a_lower_bound_can_pass_a_minimum_but_no_maximum(rule: DecisionRule) -> None:
+    bound = {"at_least": True, "lower_95": 98.0}
+    assert judged(100.0, limit(low=80.0, rule=rule), **bound).verdict is Verdict.PASS
+    assert judged(100.0, limit(high=120.0, rule=rule), **bound).verdict is Verdict.INCOMPLETE
+    assert judged(100.0, limit(80.0, 120.0, rule=rule), **bound).verdict is Verdict.INCOMPLETE
+    assert judged(100.0, limit(high=90.0, rule=rule), **bound).verdict is Verdict.FAIL
+    assert judged(100.0, limit(low=101.0, rule=rule), **bound).verdict not in {
+        Verdict.PASS,
+        Verdict.CONDITIONAL_PASS,
+    }
+
+
+def test_a_failed_lower_bound_says_what_it_is() -> None:
+    found = judged(100.0, limit(low=110.0), at_least=True)
+    assert (found.verdict, found.reason) == (
+        Verdict.FAIL,
+        "a lower bound; the record shows no upper one",
+    )
+    beyond = judged(100.0, limit(high=90.0), at_least=True)
+    assert (beyond.verdict, beyond.reason) == (Verdict.FAIL, "")
+
+
+@pytest.mark.parametrize("rule", list(DecisionRule))
 def test_a_limit_without_ends_passes_nothing(rule: DecisionRule) -> None:
     found = judged(1.0, limit(rule=rule), expanded_uncertainty=0.1)
     assert found.verdict is Verdict.INCOMPLETE
@@ -220,6 +243,7 @@ def test_of_no_verdict_at_all_the_worst_is_incomplete() -> None:
         ),
         (judged(1234.5, None, expanded_uncertainty=560.0), "noise = 1230 ± 560 °/h"),
         (judged(5.0, limit(high=10.0), at_most=True), "noise ≤ 5 °/h, limit ≤ 10 °/h"),
+        (judged(5.0, limit(low=4.0), at_least=True), "noise ≥ 5 °/h, limit ≥ 4 °/h"),
         (judged(12345.0, limit(low=20000.0)), "noise = 12300 °/h, limit ≥ 20000 °/h"),
         (judged(5.0, None), "noise = 5 °/h"),
     ],

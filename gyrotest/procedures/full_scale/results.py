@@ -43,6 +43,7 @@ def _range_result(name: str, reach: Reach, context: Context) -> Result:
         unit="deg/s",
         lower_95=reach.lower_dps,
         upper_95=reach.upper_dps,
+        at_least=reach.left_at is None,
         condition=f"{within}; {_how_far(reach)}",
         not_included=missing_of_table(context),
     )

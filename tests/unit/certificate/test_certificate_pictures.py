@@ -27,6 +27,7 @@ TABLE = Table(
         ),
         (Cell(text="K"), Cell(value=31.84, upper_95=31.84, lower_95=0.0, at_most=True), Cell(text="–")),
         (Cell(text="ratio"), Cell(value=0.9974, digits=3), Cell(value=2.0, digits=3, at_most=True)),
+        (Cell(text="band"), Cell(value=100.0, lower_95=99.8, at_least=True), Cell(text="–")),
     ),
     sentences=("A sentence beneath.",),
 )
@@ -71,6 +72,7 @@ def test_numbers_of_a_table_end_where_their_interval_asks() -> None:
     assert shown.rows[0] == ("N", "0.499", "[0.462, 0.531]")
     assert shown.rows[1] == ("K", "≤ 32", "–")
     assert shown.rows[2] == ("ratio", "0.997", "≤ 2.00")
+    assert shown.rows[3] == ("band", "≥ 100.00", "–")
 
 
 def test_a_table_may_stand_without_a_plot() -> None:
@@ -100,7 +102,7 @@ def test_a_table_is_kept_in_the_record() -> None:
 
 def test_a_table_of_many_rows_is_long() -> None:
     assert not table_view(TABLE).long
-    assert table_view(dataclasses.replace(TABLE, rows=TABLE.rows * 5)).long
+    assert table_view(dataclasses.replace(TABLE, rows=TABLE.rows * 4)).long
 
 
 def test_head_of_a_long_table_is_repeated_and_no_row_is_lost(
