@@ -82,6 +82,8 @@ class Acquisition:
                     measured_rate_dps=read_back.rate_dps,
                     temperature_degc=read_back.demanded_temperature_degc,
                     measured_temperature_degc=read_back.temperature_degc,
+                    vibration_dps=read_back.vibration_dps,
+                    frequency_hz=read_back.frequency_hz,
                 )
             )
         self._base += step.samples

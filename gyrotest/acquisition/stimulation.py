@@ -1,10 +1,10 @@
-"""What acts on the unit in a plan's steps: the table that turns it, the chamber around it."""
+"""What acts on the unit in a plan's steps: what turns or vibrates it, the chamber around it."""
 
 from dataclasses import dataclass
 from typing import Protocol
 
 from gyrotest.errors import AcquisitionError
-from gyrotest.records.plan import Soaking, Step, Stimulus, Turning
+from gyrotest.records.plan import Excitation, Soaking, Step, Stimulus, Turning, Vibrating
 
 
 class Turns(Protocol):
@@ -36,6 +36,19 @@ class Soaks(Protocol):
         """The mean of what was read back in the dwell, °C."""
 
 
+class Vibrates(Protocol):
+    """A table that is brought to vibrate and watched."""
+
+    def reach(self, vibrating: Vibrating, *, sampled_s: float) -> None:
+        """Return when it vibrates and has settled; it is sampled for so long then."""
+
+    def watch(self) -> None:
+        """Look at it in the middle of a dwell; raises `InstrumentError` where it does so no more."""
+
+    def rest(self) -> None:
+        """Bring it to rest; never raises."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReadBack:
     """What a step asked for, and what was read back while it was sampled."""
@@ -44,14 +57,21 @@ class ReadBack:
     rate_dps: float | None = None
     demanded_temperature_degc: float | None = None
     temperature_degc: float | None = None
+    vibration_dps: float | None = None
+    frequency_hz: float | None = None
 
 
 @dataclass
 class Stimulation:
-    """What a slot has for the steps of a plan; nothing where the plan leaves the bench as it is."""
+    """What a slot has for the steps of a plan; nothing where the plan leaves the bench as it is.
+
+    `interval_s` is the plan's: a sweep lasts as long as it is sampled.
+    """
 
     table: Turns | None = None
     chamber: Soaks | None = None
+    vibration: Vibrates | None = None
+    interval_s: float = 0.0
     _now: Stimulus | None = None
 
     def reach(self, step: Step) -> None:
@@ -61,6 +81,8 @@ class Stimulation:
             self._turns(step).reach(step.stimulus)
         elif isinstance(step.stimulus, Soaking):
             self._soaks(step).reach(step.stimulus)
+        elif isinstance(step.stimulus, Vibrating):
+            self._vibrates(step).reach(step.stimulus, sampled_s=step.samples * self.interval_s)
 
     def watch(self) -> None:
         """See in the middle of a dwell that the stimulus still holds; raises `InstrumentError`."""
@@ -68,6 +90,8 @@ class Stimulation:
             self.table.watch()
         elif self.chamber is not None and isinstance(self._now, Soaking):
             self.chamber.watch()
+        elif self.vibration is not None and isinstance(self._now, Vibrating):
+            self.vibration.watch()
 
     def read_back(self) -> ReadBack:
         """What the step asked for and what was read back since it was reached."""
@@ -78,12 +102,19 @@ class Stimulation:
                 demanded_temperature_degc=self._now.temperature_degc,
                 temperature_degc=self.chamber.read_back(),
             )
+        if isinstance(self._now, Vibrating):
+            sine = self._now.excitation is Excitation.SINE
+            return ReadBack(
+                vibration_dps=self._now.rms_dps, frequency_hz=self._now.low_hz if sine else None
+            )
         return ReadBack()
 
     def rest(self) -> None:
         """Leave everything at rest; never raises."""
         if self.table is not None:
             self.table.rest()
+        if self.vibration is not None:
+            self.vibration.rest()
 
     def _turns(self, step: Step) -> Turns:
         if self.table is None:
@@ -98,3 +129,11 @@ class Stimulation:
                 f"step '{step.name}' needs a temperature, and the slot has no chamber; give it a 'chamber'"
             )
         return self.chamber
+
+    def _vibrates(self, step: Step) -> Vibrates:
+        if self.vibration is None:
+            raise AcquisitionError(
+                f"step '{step.name}' vibrates the unit, and the slot has nothing that drives a vibration table;"
+                " give it a 'vibration'"
+            )
+        return self.vibration
