@@ -1,0 +1,64 @@
+"""What frequency responses are called, by whichever method they were measured."""
+
+from collections.abc import Iterable, Iterator
+
+from gyrotest.procedures.scaling import SCALE_FACTORS
+from gyrotest.procedures.wording import plain
+from gyrotest.records.result import Measurand
+from gyrotest.records.spec import Output, OutputKind
+from gyrotest.units import Dimension
+
+SENSITIVITY_UNITS = {
+    OutputKind.VOLTAGE: "mV/(deg/s)",
+    OutputKind.RATE: "",
+    OutputKind.COUNT: "count/(deg/s)",
+}
+"""The unit in which the sensitivity of an output is reported."""
+
+FLATNESS = "flatness"
+BANDWIDTH = "bandwidth_3db"
+PHASE_90 = "phase_90_frequency"
+
+_DIGITS = 9
+
+
+def frequency_key(frequency_hz: float) -> str:
+    """Return a frequency as it stands in names: `20Hz`, `12.5Hz`."""
+    return f"{plain(frequency_hz, _DIGITS)}Hz"
+
+
+def sensitivity_name(frequency_hz: float) -> str:
+    """Return the name of the sensitivity at a frequency: `sensitivity_20Hz`."""
+    return f"sensitivity_{frequency_key(frequency_hz)}"
+
+
+def phase_name(frequency_hz: float) -> str:
+    """Return the name of the phase at a frequency: `phase_20Hz`."""
+    return f"phase_{frequency_key(frequency_hz)}"
+
+
+def sensitivity_label(frequency_hz: float) -> str:
+    """Return the label of the sensitivity at a frequency."""
+    return f"Sensitivity, {plain(frequency_hz, _DIGITS)} Hz"
+
+
+def phase_label(frequency_hz: float) -> str:
+    """Return the label of the phase at a frequency."""
+    return f"Phase, {plain(frequency_hz, _DIGITS)} Hz"
+
+
+def response_measurands(frequencies_hz: Iterable[float], output: Output) -> Iterator[Measurand]:
+    """Give sensitivity and phase at each frequency, and what the whole band gives."""
+    slope, unit = SCALE_FACTORS[output.kind], SENSITIVITY_UNITS[output.kind]
+    asked = tuple(frequencies_hz)
+    for one in asked:
+        yield _measurand(sensitivity_name(one), sensitivity_label(one), slope, unit)
+    for one in asked:
+        yield _measurand(phase_name(one), phase_label(one), Dimension.ANGLE, "deg")
+    yield _measurand(FLATNESS, "Flatness of the sensitivity", Dimension.NUMBER, "%")
+    yield _measurand(BANDWIDTH, "Bandwidth, \N{MINUS SIGN}3 dB", Dimension.FREQUENCY, "Hz")
+    yield _measurand(PHASE_90, "Frequency of \N{MINUS SIGN}90° phase", Dimension.FREQUENCY, "Hz")
+
+
+def _measurand(name: str, label: str, dimension: Dimension, unit: str) -> Measurand:
+    return Measurand(name=name, label=label, dimension=dimension, unit=unit)
