@@ -84,6 +84,7 @@ class Acquisition:
                     measured_temperature_degc=read_back.temperature_degc,
                     vibration_dps=read_back.vibration_dps,
                     frequency_hz=read_back.frequency_hz,
+                    band_hz=read_back.band_hz,
                 )
             )
         self._base += step.samples

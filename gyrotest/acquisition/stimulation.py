@@ -59,6 +59,7 @@ class ReadBack:
     temperature_degc: float | None = None
     vibration_dps: float | None = None
     frequency_hz: float | None = None
+    band_hz: tuple[float, float] | None = None
 
 
 @dataclass
@@ -103,10 +104,7 @@ class Stimulation:
                 temperature_degc=self.chamber.read_back(),
             )
         if isinstance(self._now, Vibrating):
-            sine = self._now.excitation is Excitation.SINE
-            return ReadBack(
-                vibration_dps=self._now.rms_dps, frequency_hz=self._now.low_hz if sine else None
-            )
+            return _vibration(self._now)
         return ReadBack()
 
     def rest(self) -> None:
@@ -137,3 +135,11 @@ class Stimulation:
                 " give it a 'vibration'"
             )
         return self.vibration
+
+
+def _vibration(asked: Vibrating) -> ReadBack:
+    if asked.excitation is Excitation.SINE:
+        return ReadBack(vibration_dps=asked.rms_dps, frequency_hz=asked.low_hz)
+    at_rest = asked.excitation is Excitation.NONE
+    band_hz = None if at_rest else (asked.low_hz, asked.high_hz)
+    return ReadBack(vibration_dps=asked.rms_dps, band_hz=band_hz)

@@ -1,4 +1,4 @@
-"""What moved and heated the unit: rates and temperatures that were asked for, and how far off they were."""
+"""What moved and heated the unit: rates, vibration and temperatures asked for, and how far off they were."""
 
 from collections.abc import Callable, Iterator, Sequence
 
@@ -12,8 +12,9 @@ _FEW = 12  # levels up to which each is printed; mirrored ones with both signs a
 
 
 def stimuli(record: RunRecord) -> Iterator[str]:
-    """Tell of the rate table, then of the temperature chamber, as far as they were used."""
+    """Tell of the rate table, of the vibration, of the temperature chamber, as far as they were used."""
     yield from _table(record)
+    yield from _vibration(record)
     yield from _chamber(record)
 
 
@@ -27,6 +28,30 @@ def _table(record: RunRecord) -> Iterator[str]:
         yield f"Rate table '{slot.table}' ({instrument.driver}){_motion(instrument.motion)}."
     for case, course in turned:
         yield f"Rates asked for in {case}: {course}."
+
+
+def _vibration(record: RunRecord) -> Iterator[str]:
+    slot = record.header.station.station.slots.get(record.header.slot)
+    instrument = _instrument(record, slot.vibration if slot else None)
+    vibrated = [
+        (case, [one for one in held if one.vibration_dps])
+        for case, held in _dwells(record, lambda one: one.vibration_dps).items()
+    ]
+    for number, (case, moved) in enumerate((case, moved) for case, moved in vibrated if moved):
+        if slot and instrument and number == 0:
+            yield f"Vibration table, driven by '{slot.vibration}' ({instrument.driver})."
+        levels = _levels([one.vibration_dps for one in moved], "°/s")
+        yield f"Vibration asked for in {case}: {levels} root mean square, {_frequencies(moved)}."
+
+
+def _frequencies(moved: Sequence[Dwell]) -> str:
+    """Say between which frequencies, or at which, and how often."""
+    bands = sorted({one.band_hz for one in moved if one.band_hz})
+    sines = [one.frequency_hz for one in moved if one.frequency_hz is not None]
+    parts = [f"from {plain(low)} to {plain(high)} Hz" for low, high in bands]
+    if sines:
+        parts.append(f"sines of {_levels(sines, 'Hz')}")
+    return ", ".join((*parts, f"{len(moved)} times")) if bands and len(moved) > 1 else ", ".join(parts)
 
 
 def _chamber(record: RunRecord) -> Iterator[str]:
@@ -48,15 +73,20 @@ def _courses(
     unit: str,
 ) -> Iterator[tuple[str, str]]:
     """Of each case with such a stimulus: what was asked for, and how far off it was at most."""
+    for case, all_of_it in _dwells(record, asked).items():
+        if all_of_it:
+            levels = _levels([asked(one) for one in all_of_it], unit)
+            yield case, f"{levels}{_off(all_of_it, asked, found, unit)}"
+
+
+def _dwells(record: RunRecord, asked: Callable[[Dwell], float | None]) -> dict[str, list[Dwell]]:
+    """Of each case the dwells for which such a thing was asked for."""
     dwells: dict[str, list[Dwell]] = {}
     for item in record.items:
         for attempt in item.attempts:
             held = attempt.recording.dwells if attempt.recording else ()
             dwells.setdefault(item.plan.case, []).extend(one for one in held if asked(one) is not None)
-    for case, all_of_it in dwells.items():
-        if all_of_it:
-            levels = _levels([asked(one) for one in all_of_it], unit)
-            yield case, f"{levels}{_off(all_of_it, asked, found, unit)}"
+    return dwells
 
 
 def _levels(values: Sequence[float | None], unit: str) -> str:

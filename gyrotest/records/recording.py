@@ -123,7 +123,8 @@ class Dwell:
     recording did, `settling_s` after the stimulus was asked for. `rate_dps` and `temperature_degc`
     are what was asked for, the measured ones means of what the instrument read back (None: no such
     stimulus, or nothing read back). `vibration_dps` is the root mean square of the rate that a vibration
-    table was asked for.
+    table was asked for, `frequency_hz` that of a sine, `band_hz` the lowest and the highest one of a
+    random or swept vibration.
     """
 
     name: str
@@ -139,6 +140,7 @@ class Dwell:
     measured_position_deg: float | None = None
     vibration_dps: float | None = None
     frequency_hz: float | None = None
+    band_hz: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -3,6 +3,7 @@
 import dataclasses
 import re
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -52,17 +53,23 @@ def soaked(record: RunRecord) -> RunRecord:
         for t in (25.0, -20.0, 60.0)
     )
 
+    return with_dwells(record, dwells, chamber="chamber")
+
+
+def with_dwells(record: RunRecord, dwells: tuple[Dwell, ...], **slot: str) -> RunRecord:
     def change(attempt: Attempt) -> Attempt:
         assert attempt.recording is not None
         return dataclasses.replace(
             attempt, recording=dataclasses.replace(attempt.recording, dwells=dwells)
         )
 
-    station = dataclasses.replace(
-        record.header.station, station=bench_records.station(chamber="chamber")
-    )
+    station = dataclasses.replace(record.header.station, station=bench_records.station(**slot))
     header = dataclasses.replace(record.header, station=station)
     return each(dataclasses.replace(record, header=header), change)
+
+
+def vibrated(rms_dps: float, **more: Any) -> Dwell:
+    return Dwell(name="run", first=0, samples=10, began_s=0.0, vibration_dps=rms_dps, **more)
 
 
 def test_samples_of_a_digital_gyro_are_its_own() -> None:
@@ -144,6 +151,25 @@ def test_many_rates_are_told_in_short(rates: tuple[float, ...], told: str) -> No
 
 def test_a_table_that_did_not_turn_is_not_told() -> None:
     assert not any("Rate table" in text for text in conditions(bench_records.three_axes()))
+
+
+def test_vibration_its_level_and_band_are_told() -> None:
+    runs = (vibrated(0.0), vibrated(8.0, band_hz=(5.0, 100.0)), vibrated(8.0, band_hz=(5.0, 100.0)))
+    told = conditions(with_dwells(bench_records.three_axes(), runs, vibration="supply"))
+    assert "Vibration table, driven by 'supply' (scpi_supply)." in told
+    (asked,) = (text for text in told if text.startswith("Vibration asked for"))
+    assert asked.endswith(": 8 °/s root mean square, from 5 to 100 Hz, 2 times.")
+
+
+def test_the_frequencies_of_sines_are_told() -> None:
+    sines = (vibrated(0.0), vibrated(8.0, frequency_hz=5.0), vibrated(8.0, frequency_hz=12.5))
+    told = conditions(with_dwells(bench_records.three_axes(), sines, vibration="supply"))
+    assert any(text.endswith(": 8 °/s root mean square, sines of 5, 12.5 Hz.") for text in told)
+
+
+def test_a_table_that_only_rests_is_no_vibration() -> None:
+    told = conditions(with_dwells(bench_records.three_axes(), (vibrated(0.0),), vibration="supply"))
+    assert not any("ibration" in text for text in told)
 
 
 def test_chamber_and_temperatures_are_told() -> None:
