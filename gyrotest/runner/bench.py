@@ -237,6 +237,7 @@ class Bench:
                 elapsed_s=moment.elapsed_s,
                 duration_s=plan.duration_s,
                 mountings=mountings(case),
+                placement=plan.placement(item.repeat),
             )
 
     def truth(self, slot: str, plan: Plan) -> Mapping[str, float]:

@@ -7,6 +7,7 @@ from typing import Self
 from gyrotest.clock import RealClock
 from gyrotest.errors import StationError
 from gyrotest.ports import Clock
+from gyrotest.records.plan import Placement
 from gyrotest.records.spec import OutputKind, Spec
 from gyrotest.records.station import Simulation, Station
 from gyrotest.simulation.clock import VirtualClock
@@ -125,12 +126,13 @@ class SimulatedBench:
         elapsed_s: float,
         duration_s: float,
         mountings: Mapping[str, tuple[float, float, float]] | None = None,
+        placement: Placement | None = None,
     ) -> None:
         """Prepare the next record of the unit in a slot, and the random streams of all around it.
 
         `elapsed_s` is the time since power-on at the record's start, which is now. `mountings` has the
         direction (up, north, east) of each axis where it is known, by the axis's name (empty for a gyro
-        of one axis).
+        of one axis). `placement` is how the unit is turned in its slot.
         """
         self._begin(
             slot,
@@ -142,6 +144,7 @@ class SimulatedBench:
                 elapsed_s=elapsed_s,
                 duration_s=duration_s,
                 mountings=mountings or {},
+                placement=placement,
             ),
         )
 

@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrotest.simulation.surroundings import REFERENCE_DEGC, Acting, Carriage
+from gyrotest.simulation.carriage import Carriage
+from gyrotest.simulation.surroundings import REFERENCE_DEGC, Acting
 from gyrotest.simulation.unit import Axis, Dice, GyroParameters, PowerOn, drift_dps, drifts_dps
 
 
@@ -20,8 +21,10 @@ class Element:
         self.scale_factor = response.scale_factor
         self.zero_rate = response.zero_rate
         self.saturation_dps = response.saturation_dps
+        # What gravity makes of the bias, while the axis turns.
+        self._force = carriage.felt_dps(axis.g_sensitivity_dps_per_g)
         still = np.array(self._alive(gyro.input_rate_dps) + carriage.at_rest_dps)
-        self._still_dps = float(response.felt_dps(still))
+        self._still_dps = float(response.felt_dps(still)) + self._force.at_rest
 
     def _alive(self, turning_dps: float) -> float:
         """What passes the dead zone, of a turning from rest."""
@@ -53,16 +56,18 @@ class Element:
         gyro, carriage = self._gyro, self.carriage
         turning = np.full(starts_s.shape, gyro.input_rate_dps)
         earth: NDArray[np.float64] | float = carriage.at_rest_dps
+        force: NDArray[np.float64] | float = self._force.at_rest
         if acting.from_deg is not None and acting.to_deg is not None:
             turned_deg = acting.to_deg - acting.from_deg
             turning += carriage.table_share * turned_deg / acting.aperture_s
             earth = carriage.earth_at_dps(acting.from_deg, acting.to_deg)
+            force = self._force.mean(acting.from_deg, acting.to_deg)
         turning[np.abs(turning) < gyro.dead_zone_dps] = 0.0
         bias = self.turn_on_bias_dps(power_on) + drifts_dps(
             gyro, starts_s - power_on.on_s, acting.aperture_s
         )
         warmth = acting.temperature_degc - REFERENCE_DEGC
-        bias += self.axis.temperature_sensitivity_dps_per_c * warmth
+        bias += self.axis.temperature_sensitivity_dps_per_c * warmth + force
         return self.axis.response.felt_dps(turning + earth) + bias
 
     def scale_factors(self, acting: Acting) -> NDArray[np.float64]:
@@ -99,6 +104,11 @@ class Element:
             "dead_zone_dps": gyro.dead_zone_dps,
             "temperature_sensitivity_dps_per_c": self.axis.temperature_sensitivity_dps_per_c,
             "scale_factor_sensitivity_per_c": self.axis.scale_factor_sensitivity_per_c,
+            "misalignment_deg": self.axis.misalignment_deg,
+        }
+        found |= {
+            f"g_sensitivity_{own}_dps_per_g": value
+            for own, value in self.axis.g_sensitivity_dps_per_g.items()
         }
         if gyro.voltage:
             found |= {

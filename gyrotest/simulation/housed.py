@@ -2,9 +2,10 @@
 
 import math
 
+from gyrotest.simulation.carriage import Carriage
 from gyrotest.simulation.element import Element
 from gyrotest.simulation.occasion import Occasion
-from gyrotest.simulation.surroundings import Carriage, Surroundings
+from gyrotest.simulation.surroundings import Surroundings
 from gyrotest.simulation.unit import Dice, GyroParameters, PowerOn, PowerOns, draw_axis
 
 _RUNS_S = 60.0

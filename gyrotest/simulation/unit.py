@@ -1,6 +1,7 @@
 """A simulated unit with the dice thrown: what it is for good, and what each power-on makes of it."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,12 +52,18 @@ class GyroParameters:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Axis:
-    """One axis of a unit, whatever its power-on."""
+    """One axis of a unit, whatever its power-on.
+
+    `g_sensitivity_dps_per_g` is what the specific force along each of the unit's own x, y and z makes of
+    its bias; it leans by `misalignment_deg` towards the shaft of a stage that turns it.
+    """
 
     name: str
     response: Response
     temperature_sensitivity_dps_per_c: float
     scale_factor_sensitivity_per_c: float
+    g_sensitivity_dps_per_g: Mapping[str, float]
+    misalignment_deg: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,7 +105,17 @@ def draw_axis(name: str, gyro: GyroParameters, dice: Dice, *, inverted: bool) ->
         * dice.uniform("temperature sensitivity", name),
         scale_factor_sensitivity_per_c=gyro.scale_factor_sensitivity_per_c
         * dice.uniform("scale factor temperature sensitivity", name),
+        g_sensitivity_dps_per_g={
+            own: gyro.g_sensitivity_dps_per_g * dice.uniform(f"g sensitivity {own}", name)
+            for own in "xyz"
+        },
+        misalignment_deg=misalignment_deg(name, gyro, dice),
     )
+
+
+def misalignment_deg(name: str, gyro: GyroParameters, dice: Dice) -> float:
+    """By how much an axis leans, °."""
+    return gyro.misalignment_deg * dice.uniform("misalignment", name)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from gyrotest.ports import Clock
 from gyrotest.records.station import Slot, Station
+from gyrotest.simulation.carriage import Carriage, carriages
 from gyrotest.simulation.faults import Faults
 from gyrotest.simulation.gyro import GyroOutput, RailedOutput, SteadyOutput, TemperatureOutput
 from gyrotest.simulation.housed import Housed
@@ -13,10 +14,11 @@ from gyrotest.simulation.peer import Peer, Reading
 from gyrotest.simulation.scenarios import Misbehaviour, Scenario
 from gyrotest.simulation.settings import table_axis
 from gyrotest.simulation.signal import Signal
+from gyrotest.simulation.stage import ShaftErrors, shaft_errors, stage_axes, stage_carriages
 from gyrotest.simulation.streaming import Streaming
 from gyrotest.simulation.streams import Normals, generator
-from gyrotest.simulation.surroundings import Surroundings, carriages
-from gyrotest.simulation.unit import GyroParameters
+from gyrotest.simulation.surroundings import Surroundings
+from gyrotest.simulation.unit import Dice, GyroParameters, misalignment_deg
 
 _RAIL_V = 15.0
 
@@ -44,6 +46,7 @@ class Workplace:
         self._scenario = scenario
         self._clock = clock
         self._housed: Housed | None = None
+        self._shaft: ShaftErrors | None = None
 
     @property
     def occasion(self) -> Occasion | None:
@@ -55,12 +58,7 @@ class Workplace:
         now_s = self._clock.now_s()
         housed = self._housed = Housed(
             self._gyro,
-            carriages(
-                self._gyro.axes,
-                occasion.mountings,
-                table_axis=table_axis(self._station, self._slot.table),
-                site=self._station.site,
-            ),
+            self._carriages(occasion),
             self._surroundings,
             occasion,
             seed=self._seed,
@@ -73,6 +71,35 @@ class Workplace:
             source.connect(occasion, self._signals(housed), faults)
         elif isinstance(source, Streaming):
             source.house(housed)
+
+    def _carriages(self, occasion: Occasion) -> tuple[Carriage, ...]:
+        """How the unit's axes sit on what turns it, for a record."""
+        station, slot = self._station, self._slot
+        stage = station.instruments[slot.table] if slot.table is not None else None
+        if stage is None or stage.shaft is None or slot.table is None:
+            self._shaft = None
+            return carriages(
+                self._gyro.axes,
+                occasion.mountings,
+                table_axis=table_axis(station, slot.table),
+                site=station.site,
+            )
+        dice = Dice(seed=self._seed, serial_number=occasion.serial_number)
+        self._shaft = shaft_errors(
+            stage.shaft, seed=self._seed, serial_number=occasion.serial_number, stage=slot.table
+        )
+        lies = stage_axes(stage.shaft, self._shaft, station.site)
+        if occasion.placement is None and occasion.mountings:
+            shaft = float(lies[1, 0]), float(lies[1, 1]), float(lies[1, 2])
+            return carriages(self._gyro.axes, occasion.mountings, table_axis=shaft, site=station.site)
+        return stage_carriages(
+            self._gyro.axes,
+            lies,
+            frame=slot.frame,
+            placement=occasion.placement,
+            site=station.site,
+            misalignment_deg=lambda name: misalignment_deg(name, self._gyro, dice),
+        )
 
     def _signals(self, housed: Housed) -> dict[str, Signal]:
         """The voltages by the instrument's channel."""
@@ -106,5 +133,8 @@ class Workplace:
         return signal
 
     def truth(self, duration_s: float) -> dict[str, float]:
-        """The true figures of the unit for the record begun last; empty before the first."""
-        return self._housed.truth(duration_s) if self._housed else {}
+        """The true figures of the unit and of how its stage lies, for the record begun last; empty before it."""
+        if self._housed is None:
+            return {}
+        lies = self._shaft.truth() if self._shaft is not None else {}
+        return self._housed.truth(duration_s) | lies

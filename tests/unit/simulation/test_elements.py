@@ -1,5 +1,6 @@
 """What one axis of a simulated unit makes of what acts on it."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -8,9 +9,10 @@ from numpy.typing import NDArray
 
 from gyrotest.records.spec import Output, OutputKind, Spec
 from gyrotest.records.station import Simulation
+from gyrotest.simulation.carriage import Carriage, Swing
 from gyrotest.simulation.element import Element
 from gyrotest.simulation.gyro_settings import gyro_parameters
-from gyrotest.simulation.surroundings import Acting, Carriage
+from gyrotest.simulation.surroundings import Acting
 from gyrotest.simulation.unit import Dice, PowerOn, draw_axis
 from gyrotest.units import Quantity
 
@@ -26,6 +28,7 @@ SPEC = Spec(
 )
 STEADY = {"turn_on_bias": "0 deg/s", "warm_up_drift": "0 deg/s"}
 ON = PowerOn(cycle=1, on_s=0.0)
+ANGLES = (0.0, 30.0, 90.0, 200.0)
 
 
 def element(serial: str = "1", *, share: float = 1.0, inverted: bool = False, **figures: str) -> Element:
@@ -146,3 +149,25 @@ def test_without_a_full_scale_nothing_saturates_and_the_truth_has_no_limit() -> 
     )
     assert one.clipped(np.array([1e6])) == pytest.approx([1e6])
     assert felt(one, [1e4]) == pytest.approx([1e4], rel=1e-4)
+
+
+def test_gravity_along_its_own_axes_makes_a_drift_that_its_truth_tells() -> None:
+    gyro = gyro_parameters(Simulation(gyro={**STEADY, "g_sensitivity": "0.1 deg/s/g"}), SPEC)
+    dice = Dice(seed=1, serial_number="7")
+    sits = Carriage(
+        table_share=0.0,
+        earth_dps=0.0,
+        force_g={"x": Swing(sine=-1.0), "y": Swing(constant=0.5), "z": Swing(cosine=1.0)},
+    )
+    one = Element(draw_axis("", gyro, dice, inverted=False), gyro, sits, dice)
+    truth = one.truth(ON, 1000.0, 10.0)
+    x, y, z = (truth[f"g_sensitivity_{own}_dps_per_g"] for own in "xyz")
+    assert len({x, y, z, 0.0}) == 4
+    assert max(abs(x), abs(y), abs(z)) <= 0.1
+    expected = [
+        0.5 * y + z * math.cos(math.radians(at)) - x * math.sin(math.radians(at)) for at in ANGLES
+    ]
+    angles = np.array(ANGLES)
+    acting = replace(turned([0.0] * len(ANGLES)), from_deg=angles, to_deg=angles)
+    assert one.rates_dps(ON, 1000.0 + angles, acting) == pytest.approx(expected)
+    assert one.still_rate_dps(ON, 1000.0, 1.0) == pytest.approx(0.5 * y + z)

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from gyrotest.analysis.earth import EARTH_RATE_DPS, earth_share_dps
 from gyrotest.records.station import Site, Slot
-from gyrotest.simulation.surroundings import Carriage, Surroundings, carriages
+from gyrotest.simulation.carriage import Carriage, carriages
+from gyrotest.simulation.surroundings import Surroundings
 from gyrotest.simulation.unit import PowerOn, PowerOns
 from gyrotest.units import Quantity
 
