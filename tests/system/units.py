@@ -14,6 +14,7 @@ from gyrotest.records.station import StationDocument
 from gyrotest.runner.bench import Bench, SimulationChoice
 from gyrotest.runner.door import Order, open_run
 from gyrotest.runner.flow import UnitRun
+from gyrotest.runner.places import slots_of
 from gyrotest.specification.lookup import shipped_specs
 from gyrotest.specification.spec import load_spec
 from gyrotest.specification.station import load_station
@@ -34,8 +35,12 @@ def run_units(
     scenario: str = "nominal",
     spec: SpecDocument | None = None,
     station: StationDocument | None = None,
+    place: int = 0,
 ) -> Iterator[RunRecord]:
-    """Run the whole plan for each unit, as the pytest plugin does, and put its record together."""
+    """Run the whole plan for each unit, as the pytest plugin does, and put its record together.
+
+    `place`: in which of the slots that the spec's units take, from 0.
+    """
     order = Order(
         spec=spec or shipped_spec(),
         station=station or simulated_station(),
@@ -43,11 +48,12 @@ def run_units(
         out=out,
     )
     for serial_number in serial_numbers:
-        yield _run_unit(order, serial_number, scenario)
+        yield _run_unit(order, serial_number, scenario, place)
 
 
-def _run_unit(order: Order, serial_number: str, scenario: str) -> RunRecord:
-    folder, header = open_run(order, serial_number, next(iter(order.station.station.slots)))
+def _run_unit(order: Order, serial_number: str, scenario: str, place: int) -> RunRecord:
+    slots = slots_of(order.spec.spec, order.station.station)
+    folder, header = open_run(order, serial_number, slots[place])
     choice = SimulationChoice(scenario=scenario)
     bench = Bench(order.station.station, order.spec.spec, choice)
     run = UnitRun(folder=folder, header=header, bench=lambda: bench, progress=Silence(), confirm=_nobody)
