@@ -33,13 +33,35 @@ class ShaftPose:
         return normal_gravity_g(self.latitude_deg)
 
 
-def specific_force_g(pose: ShaftPose, angle_deg: NDArray[np.float64]) -> _Array:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Circle:
+    """Cosines and sines (n,) of angles of the shaft, or their means over the while that a value is of."""
+
+    cosine: _Array
+    sine: _Array
+
+    @classmethod
+    def of(cls, angle_deg: NDArray[np.float64]) -> "Circle":
+        """Those of single angles (n,)."""
+        angle = np.radians(angle_deg)
+        return cls(cosine=np.cos(angle), sine=np.sin(angle))
+
+    def shifted(self, by_deg: NDArray[np.float64] | float) -> "Circle":
+        """The angles larger by as much: all by the same, or each by its own (n,)."""
+        by = np.radians(by_deg)
+        cosine, sine = np.cos(by), np.sin(by)
+        return Circle(
+            cosine=self.cosine * cosine - self.sine * sine, sine=self.sine * cosine + self.cosine * sine
+        )
+
+
+def specific_force_g(pose: ShaftPose, circle: Circle) -> _Array:
     """Return the specific force at rest along the stage's axes, in g: +1 along one that points up.
 
     Parameters
     ----------
-    angle_deg
-        Shape (n,).
+    circle
+        Of n angles.
 
     Returns
     -------
@@ -50,16 +72,16 @@ def specific_force_g(pose: ShaftPose, angle_deg: NDArray[np.float64]) -> _Array:
     S5.2, with the tilt: a_x = −g·sinθ·cosτ, a_y = g·sinτ, a_z = g·cosθ·cosτ. What the turning adds is
     not in it: at 6 °/s and 0.1 m from the shaft 0.1 mg, which turns with the unit and stays constant.
     """
-    return pose.gravity_g * _turned(np.array([0.0, 0.0, 1.0]), pose.tilt_deg, angle_deg)
+    return pose.gravity_g * _turned(np.array([0.0, 0.0, 1.0]), pose.tilt_deg, circle)
 
 
-def earth_rate_dps(pose: ShaftPose, angle_deg: NDArray[np.float64]) -> _Array:
+def earth_rate_dps(pose: ShaftPose, circle: Circle) -> _Array:
     """Return the Earth's rate along the stage's axes, °/s.
 
     Parameters
     ----------
-    angle_deg
-        Shape (n,).
+    circle
+        Of n angles.
 
     Returns
     -------
@@ -73,18 +95,20 @@ def earth_rate_dps(pose: ShaftPose, angle_deg: NDArray[np.float64]) -> _Array:
     latitude, azimuth = math.radians(pose.latitude_deg), math.radians(pose.azimuth_deg)
     north, up = math.cos(latitude), math.sin(latitude)
     level = np.array([north * math.cos(azimuth), north * math.sin(azimuth), up])
-    return EARTH_RATE_DPS * _turned(level, pose.tilt_deg, angle_deg)
+    return EARTH_RATE_DPS * _turned(level, pose.tilt_deg, circle)
 
 
-def _turned(level: _Array, tilt_deg: float, angle_deg: NDArray[np.float64]) -> _Array:
+def _turned(level: _Array, tilt_deg: float, circle: Circle) -> _Array:
     """Return a vector (3,), given along x, y, z of a level shaft at angle 0, along the axes that turn."""
     tilt = math.radians(tilt_deg)
     x, y, z = level
     along = y * math.cos(tilt) + z * math.sin(tilt)
     upright = z * math.cos(tilt) - y * math.sin(tilt)
-    angle = np.radians(angle_deg)
-    cosine, sine = np.cos(angle), np.sin(angle)
     turned: _Array = np.column_stack(
-        (x * cosine - upright * sine, np.full(angle.shape, along), x * sine + upright * cosine)
+        (
+            x * circle.cosine - upright * circle.sine,
+            np.full(circle.cosine.shape, along),
+            x * circle.sine + upright * circle.cosine,
+        )
     )
     return turned
