@@ -55,13 +55,13 @@ class Circle:
         )
 
 
-def specific_force_g(pose: ShaftPose, circle: Circle) -> _Array:
+def specific_force_g(pose: ShaftPose, angle: NDArray[np.float64] | Circle) -> _Array:
     """Return the specific force at rest along the stage's axes, in g: +1 along one that points up.
 
     Parameters
     ----------
-    circle
-        Of n angles.
+    angle
+        Shape (n,), °, or the circle of n angles.
 
     Returns
     -------
@@ -72,16 +72,16 @@ def specific_force_g(pose: ShaftPose, circle: Circle) -> _Array:
     S5.2, with the tilt: a_x = −g·sinθ·cosτ, a_y = g·sinτ, a_z = g·cosθ·cosτ. What the turning adds is
     not in it: at 6 °/s and 0.1 m from the shaft 0.1 mg, which turns with the unit and stays constant.
     """
-    return pose.gravity_g * _turned(np.array([0.0, 0.0, 1.0]), pose.tilt_deg, circle)
+    return pose.gravity_g * _turned(np.array([0.0, 0.0, 1.0]), pose.tilt_deg, angle)
 
 
-def earth_rate_dps(pose: ShaftPose, circle: Circle) -> _Array:
+def earth_rate_dps(pose: ShaftPose, angle: NDArray[np.float64] | Circle) -> _Array:
     """Return the Earth's rate along the stage's axes, °/s.
 
     Parameters
     ----------
-    circle
-        Of n angles.
+    angle
+        Shape (n,), °, or the circle of n angles.
 
     Returns
     -------
@@ -95,11 +95,12 @@ def earth_rate_dps(pose: ShaftPose, circle: Circle) -> _Array:
     latitude, azimuth = math.radians(pose.latitude_deg), math.radians(pose.azimuth_deg)
     north, up = math.cos(latitude), math.sin(latitude)
     level = np.array([north * math.cos(azimuth), north * math.sin(azimuth), up])
-    return EARTH_RATE_DPS * _turned(level, pose.tilt_deg, circle)
+    return EARTH_RATE_DPS * _turned(level, pose.tilt_deg, angle)
 
 
-def _turned(level: _Array, tilt_deg: float, circle: Circle) -> _Array:
+def _turned(level: _Array, tilt_deg: float, angle: NDArray[np.float64] | Circle) -> _Array:
     """Return a vector (3,), given along x, y, z of a level shaft at angle 0, along the axes that turn."""
+    circle = angle if isinstance(angle, Circle) else Circle.of(angle)
     tilt = math.radians(tilt_deg)
     x, y, z = level
     along = y * math.cos(tilt) + z * math.sin(tilt)

@@ -155,7 +155,9 @@ class _Round:
         correlated = information / np.outer(scale, scale) + _RANK * np.eye(len(terms))
         factor = np.linalg.cholesky(correlated)
         found, _ = nnls(factor.T, np.linalg.solve(factor, score / scale))
-        return cls(weights=weights, correlated=correlated, squares=found / scale, scale=scale)
+        return cls(
+            weights=np.asarray(weights), correlated=correlated, squares=found / scale, scale=scale
+        )
 
 
 def _refuse_singular(design: _Array) -> None:
