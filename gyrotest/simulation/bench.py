@@ -107,9 +107,8 @@ class SimulatedBench:
     def _around(self, slot: str) -> tuple[str, ...]:
         """The instruments that a slot uses, its source first."""
         place = self._station.slots[slot]
-        return tuple(
-            name for name in (place.source, place.table, place.supply, place.chamber) if name is not None
-        )
+        around = (place.source, place.table, place.vibration, place.supply, place.chamber)
+        return tuple(name for name in around if name is not None)
 
     def insert(self, *, slot: str, serial_number: str) -> None:
         """Put a unit into a slot before its first record: a digital one can be asked who it is."""

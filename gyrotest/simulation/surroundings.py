@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.records.station import Slot
-from gyrotest.simulation.peer import Heating, Peer, Powered, Powering, Turning
+from gyrotest.simulation.peer import Exciting, Heating, Peer, Powered, Powering, Turning
 
 REFERENCE_DEGC = 23.0
 
@@ -63,11 +63,20 @@ class Surroundings:
             temperature_degc=self.temperatures_degc(edges_s[:-1]),
         )
 
-    def _angles_deg(self, times_s: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    @property
+    def table(self) -> Turning | None:
+        """The rate table that carries the unit."""
         table = self._of(self._slot.table)
-        if table is None or not isinstance(table, Turning):
-            return None
-        return table.angle_deg(times_s)
+        return table if isinstance(table, Turning) else None
+
+    @property
+    def drive(self) -> Exciting | None:
+        """What drives the vibration table that carries the unit."""
+        drive = self._of(self._slot.vibration)
+        return drive if isinstance(drive, Exciting) else None
+
+    def _angles_deg(self, times_s: NDArray[np.float64]) -> NDArray[np.float64] | None:
+        return None if self.table is None else self.table.angle_deg(times_s)
 
     def temperatures_degc(self, times_s: NDArray[np.float64]) -> NDArray[np.float64]:
         """The unit's temperatures."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gyrotest.simulation.dynamics import Dynamics
 from gyrotest.simulation.noise import NoiseDensities
 from gyrotest.simulation.peer import Powered
 from gyrotest.simulation.response import Response
@@ -64,6 +65,7 @@ class Axis:
     scale_factor_sensitivity_per_c: float
     g_sensitivity_dps_per_g: Mapping[str, float]
     misalignment_deg: float
+    dynamics: Dynamics
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,6 +112,17 @@ def draw_axis(name: str, gyro: GyroParameters, dice: Dice, *, inverted: bool) ->
             for own in "xyz"
         },
         misalignment_deg=misalignment_deg(name, gyro, dice),
+        dynamics=_dynamics(name, gyro, dice),
+    )
+
+
+def _dynamics(name: str, gyro: GyroParameters, dice: Dice) -> Dynamics:
+    """How an axis follows its rate; a bandwidth that shapes nothing but the noise is the model's own."""
+    error = gyro.bandwidth_error * dice.uniform("bandwidth", name) if gyro.damping else 0.0
+    return Dynamics(
+        bandwidth_hz=gyro.noise.bandwidth_hz * (1.0 + error),
+        damping=gyro.damping,
+        delay_s=gyro.delay_s,
     )
 
 
