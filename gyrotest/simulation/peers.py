@@ -24,6 +24,7 @@ _CLASSES = {
     "daq970a": "gyrotest.simulation.scanner_peer:ScannerPeer",
     "daq973a": "gyrotest.simulation.scanner_peer:ScannerPeer",
     "scpi_supply": "gyrotest.simulation.supply_peer:SupplyPeer",
+    "33500b": "gyrotest.simulation.generator_peer:GeneratorPeer",
     "scpi_chamber": "gyrotest.simulation.chamber_peer:ChamberPeer",
 }
 _SIMULATED = "simulated"

@@ -20,6 +20,8 @@ class Misbehaviour(Enum):
     SUPPLY_NO_VOLTAGE = auto()
     SUPPLY_CURRENT_LIMIT = auto()
     CHAMBER_STUCK = auto()
+    EXCITER_SILENT = auto()
+    EXCITER_LOST = auto()
     LOST_FRAMES = auto()
     LOST_COUNTER_PERIOD = auto()
     BAD_CRC = auto()
@@ -175,6 +177,16 @@ _ALL = (
         "chamber-does-not-reach",
         Misbehaviour.CHAMBER_STUCK,
         "the chamber stays where it is, whatever it is asked for",
+    ),
+    Scenario(
+        name="exciter-silent",
+        description="the output that drives the vibration table goes off by itself",
+        strikes=(Strike(misbehaviour=Misbehaviour.EXCITER_SILENT, at=0.4),),
+    ),
+    Scenario(
+        name="exciter-lost",
+        description="what drives the vibration table answers no more from the middle of the record on",
+        strikes=(Strike(misbehaviour=Misbehaviour.EXCITER_LOST, at=0.4),),
     ),
 )
 

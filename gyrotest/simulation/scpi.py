@@ -23,6 +23,7 @@ MESSAGES = {
     -108: "Parameter not allowed",
     -109: "Missing parameter",
     -113: "Undefined header",
+    -114: "Header suffix out of range",
     -211: "Trigger ignored",
     -213: "Init ignored",
     -214: "Trigger deadlock",

@@ -74,6 +74,7 @@ KINDS: Mapping[str, Kind] = {
     "table": Kind(models=("acutrol3000", "aerosmith"), port=9878),
     "supply": Kind(models=("scpi_supply",)),
     "chamber": Kind(models=("scpi_chamber",)),
+    "generator": Kind(models=("keysight33500b",)),
     "stim210": Kind(models=("stim210",), moves_time=True, figures={"frame": "rate_counter", **_GYRO}),
     "stim300": Kind(models=("stim300",), moves_time=True, figures={"frame": "rate", **_GYRO}),
     "line": Kind(models=("line_stream",), moves_time=True, figures=_GYRO),
