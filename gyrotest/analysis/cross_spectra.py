@@ -9,20 +9,23 @@ spectrum falls steeply (0.25 % at twenty periods a segment).
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.analysis.taper import Taper, taper
+from gyrotest.errors import InsufficientDataError
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
+_Number = TypeVar("_Number", np.float64, np.complex128)
 
 PERIODS = 20
 """Periods of the lowest frequency in the shortest default segment."""
 
 _TOGETHER = 6
-_EDGE = 1e-9
+_EDGE = 1e-12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,25 +94,137 @@ class CrossSpectra:
         self.rate_hz = rate_hz
         self.segment = segment or default_segment(rate_hz=rate_hz, low_hz=low_hz)
         self._taper = taper(window, self.segment)
+        self._detrend = _Detrend(self.segment)
         self._lines = _lines(self._taper, rate_hz, low_hz, high_hz)
-        raise NotImplementedError
+        self._room = np.empty((2, self.segment + (_TOGETHER - 1) * self._taper.hop))
+        self._origin = np.zeros((2, 1))
+        self._sums = np.zeros((2, self._lines.size - 2 * self._taper.reach))
+        self._cross = np.zeros(self._sums.shape[1], dtype=np.complex128)
+        self._fill = 0
+        self._stretches = [0]
 
     @property
     def segment_s(self) -> float:
         """Length of a segment, s."""
         return self.segment / self.rate_hz
 
+    @property
+    def segments(self) -> int:
+        """Segments so far that are complete and averaged."""
+        return sum(self._stretches)
+
     def begin_stretch(self) -> None:
         """Say that the next sample does not follow the last one: no segment bridges this."""
-        raise NotImplementedError
+        self._average()
+        self._fill = 0
+        if self._stretches[-1]:
+            self._stretches.append(0)
 
     def push(self, angle_deg: _Array, output: _Array) -> None:
-        """Take in the next samples (n,) of both: the reference angle in °, the output in its unit."""
-        raise NotImplementedError
+        """Take in the next samples (n,) of both: the reference angle in °, the output in its unit.
+
+        Raises
+        ------
+        InsufficientDataError
+            A sample that is not a finite number.
+        """
+        signals = (angle_deg, output)
+        if not all(np.isfinite(one.sum()) for one in signals):
+            raise InsufficientDataError(
+                "a sample is not a finite number; leave it out and begin a new stretch after it"
+            )
+        if not self._fill and angle_deg.size:
+            self._origin = np.array([[one[0]] for one in signals])
+        place = 0
+        while place < angle_deg.size:
+            taken = min(angle_deg.size - place, self._room.shape[1] - self._fill)
+            for row, one, origin in zip(self._room, signals, self._origin, strict=True):
+                np.subtract(one[place : place + taken], origin, out=row[self._fill : self._fill + taken])
+            self._fill += taken
+            place += taken
+            if self._fill == self._room.shape[1]:
+                self._average()
 
     def spectra(self) -> Spectra:
-        """Average what has come so far; raises `InsufficientDataError` where no segment is complete."""
-        raise NotImplementedError
+        """Average what has come so far.
+
+        Raises
+        ------
+        InsufficientDataError
+            No segment is complete.
+        """
+        self._average()
+        if not self.segments:
+            raise InsufficientDataError(
+                f"no stretch of the record holds a segment of {self.segment_s:g} s ({self.segment} samples):"
+                " record longer without a gap, or begin the band at a higher frequency"
+            )
+        density = 2.0 / (self.rate_hz * self.segment * self._taper.power * self.segments)
+        kept = self._lines[self._taper.reach : self._lines.size - self._taper.reach]
+        variance = _variances(self._taper, self._stretches)
+        return Spectra(
+            frequency_hz=_fixed(kept / self.segment_s),
+            reference=_fixed(self._sums[0] * density),
+            output=_fixed(self._sums[1] * density),
+            cross=_fixed(self._cross * density),
+            segments=self.segments,
+            averages=float(1.0 / variance[0]),
+            segment_s=self.segment_s,
+            correlation=_fixed(variance / variance[0]),
+        )
+
+    def _average(self) -> None:
+        """Add all segments that are complete, and keep the samples that the next one begins with."""
+        if self._fill < self.segment:
+            return
+        hop = self._taper.hop
+        count = 1 + (self._fill - self.segment) // hop
+        windows = np.lib.stride_tricks.sliding_window_view(
+            self._room[:, : self._fill], self.segment, axis=1
+        )
+        rate, output = self._tapered(windows[:, ::hop])
+        self._sums += np.stack([_power(rate), _power(output)])
+        self._cross += np.sum(output * rate.conj(), axis=0)
+        left = self._fill - count * hop
+        self._room[:, :left] = self._room[:, self._fill - left : self._fill].copy()
+        self._fill = left
+        self._stretches[-1] += count
+
+    def _tapered(self, segments: _Array) -> _Complex:
+        """Return the lines (2, s, k) of rate and output from samples (2, s, n) of angle and output."""
+        from scipy.fft import rfft
+
+        lines = rfft(segments, axis=-1, workers=1)[..., self._lines]
+        lines -= self._detrend.slope(segments)[..., np.newaxis] * self._detrend.ramp(self._lines)
+        lines[..., self._lines == 0] = 0.0
+        lines[0] *= 2j * np.pi * self._lines / self.segment_s  # S4.4: Ω1 = j2πf·Θ1
+        kept = lines.shape[-1] - 2 * self._taper.reach
+        tapered: _Complex = sum(
+            (share * lines[..., m : m + kept] for m, share in enumerate(self._taper.kernel)),
+            start=np.zeros((*lines.shape[:-1], kept), dtype=np.complex128),
+        )
+        return tapered
+
+
+class _Detrend:
+    """The straight line through the samples of a segment, as the lines of its transform."""
+
+    def __init__(self, samples: int) -> None:
+        self._samples = samples
+        self._weights = np.arange(samples) - 0.5 * (samples - 1)
+        self._weights /= float(self._weights @ self._weights)
+
+    def slope(self, segments: _Array) -> _Array:
+        """Return the slope a sample (2, s) of segments (2, s, n)."""
+        found: _Array = segments @ self._weights
+        return found
+
+    def ramp(self, lines: NDArray[np.int64]) -> _Complex:
+        """Return the transform (k,) of 0, 1, 2 … at lines; its value at line 0 is not used."""
+        found = np.zeros(lines.size, dtype=np.complex128)
+        beyond = lines > 0
+        found[beyond] = self._samples / np.expm1(-2j * np.pi * lines[beyond] / self._samples)
+        return found
 
 
 def pooled(runs: Sequence[Spectra]) -> Spectra:
@@ -120,13 +235,58 @@ def pooled(runs: Sequence[Spectra]) -> Spectra:
     ValueError
         No run, or runs of different lines.
     """
-    raise NotImplementedError
+    if not runs:
+        raise ValueError("there is no run to average")
+    first = runs[0]
+    if any(
+        one.segment_s != first.segment_s or not np.array_equal(one.frequency_hz, first.frequency_hz)
+        for one in runs
+    ):
+        raise ValueError("runs are averaged line by line; their segments and bands are one and the same")
+    segments = sum(one.segments for one in runs)
+    shares = [one.segments / segments for one in runs]
+    variance = np.sum(
+        [s**2 * one.correlation / one.averages for s, one in zip(shares, runs, strict=True)], axis=0
+    )
+    return Spectra(
+        frequency_hz=first.frequency_hz,
+        reference=_fixed(np.average([one.reference for one in runs], axis=0, weights=shares)),
+        output=_fixed(np.average([one.output for one in runs], axis=0, weights=shares)),
+        cross=_fixed(np.average([one.cross for one in runs], axis=0, weights=shares)),
+        segments=segments,
+        averages=float(1.0 / variance[0]),
+        segment_s=first.segment_s,
+        correlation=_fixed(variance / variance[0]),
+    )
 
 
 def _lines(shape: Taper, rate_hz: float, low_hz: float, high_hz: float) -> NDArray[np.int64]:
-    raise NotImplementedError
+    """Return the numbers of the band's lines, and of those to either side that the taper takes from."""
+    segment_s = shape.samples / rate_hz
+    low = int(np.ceil(low_hz * segment_s - _EDGE * shape.samples))
+    high = int(np.floor(high_hz * segment_s + _EDGE * shape.samples))
+    if not (shape.reach < low <= high < shape.samples // 2 - shape.reach):
+        raise ValueError(
+            f"segments of {segment_s:g} s at {rate_hz:g} Hz have lines {(shape.reach + 1) / segment_s:g} …"
+            f" {(shape.samples // 2 - shape.reach - 1) / segment_s:g} Hz, found a band of {low_hz:g} …"
+            f" {high_hz:g} Hz"
+        )
+    return np.arange(low - shape.reach, high + shape.reach + 1)
 
 
-def _fixed(array: _Complex) -> _Complex:
+def _power(lines: _Complex) -> _Array:
+    found: _Array = np.sum(lines.real**2 + lines.imag**2, axis=0)
+    return found
+
+
+def _variances(shape: Taper, stretches: Sequence[int]) -> _Array:
+    """Return the relative (co)variance of averages at lines 0, 1, 2 … apart (Welch 1967)."""
+    segments = sum(stretches)
+    pairs = sum(count - 1 for count in stretches if count)
+    found: _Array = (segments * shape.same + 2.0 * pairs * shape.next) / segments**2
+    return found
+
+
+def _fixed(array: NDArray[_Number]) -> NDArray[_Number]:
     array.setflags(write=False)
     return array

@@ -60,7 +60,7 @@ class Lowpass:
         if self._state is None:
             self._state = self._rest * signals[np.newaxis, :, :1]
         filtered, self._state = sosfilt(self._sections, signals, axis=1, zi=self._state)
-        return cast("_Array", filtered)
+        return filtered
 
     def transfer(self, frequency_hz: _Array) -> NDArray[np.complex128]:
         """Return what it makes of a sine of each frequency (k,): complex, 1 at 0 Hz."""

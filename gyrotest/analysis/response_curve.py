@@ -1,13 +1,22 @@
 """A frequency response as a smooth curve over its band, and what is read off it."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gyrotest.analysis.band_polynomial import BandPolynomial, Estimates, fit_band_polynomial
 from gyrotest.analysis.frequency_response import Response
+from gyrotest.errors import InsufficientDataError
 
 _Array = NDArray[np.float64]
+
+HALF_POWER = -0.5 * math.log(2.0)
+"""A gain of 1/√2, −3.01 dB, as a logarithm."""
+
+_FINEST = 1e-8
+_GRID = 2001
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,37 +40,232 @@ class Reading:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResponseCurve:
-    """Gain and phase over `low_hz` … `high_hz`; `excluded_hz` are lines of too little coherence."""
+    """Gain and phase over `low_hz` … `high_hz`, the first and the last line that was used.
 
-    low_hz: float
-    high_hz: float
+    `log_gain` is the natural logarithm of the gain, `phase` in °, both over the frequency in Hz: each with
+    its residual and its lack of fit. `lines` is what they were fitted to, the phase unwrapped; `excluded_hz`
+    are lines of too little coherence.
+    """
+
+    log_gain: BandPolynomial
+    phase: BandPolynomial
+    lines: Response
     excluded_hz: _Array
 
+    @property
+    def low_hz(self) -> float:
+        """Where the curve begins."""
+        return self.log_gain.low
+
+    @property
+    def high_hz(self) -> float:
+        """Where the curve ends."""
+        return self.log_gain.high
+
     def at(self, frequency_hz: _Array) -> CurvePoints:
-        """Evaluate within the band; raises `InsufficientDataError` outside of it."""
-        raise NotImplementedError
+        """Evaluate at frequencies (n,) of the band.
+
+        Raises
+        ------
+        InsufficientDataError
+            A frequency more than one line outside: a curve is not extrapolated.
+        """
+        wanted = np.atleast_1d(np.asarray(frequency_hz, dtype=np.float64))
+        self._require(wanted)
+        rows = self.log_gain.rows(wanted)
+        gain = np.exp(self.log_gain.value(wanted))
+        return CurvePoints(
+            frequency_hz=wanted,
+            gain=gain,
+            gain_uncertainty=gain * self.log_gain.uncertainty(rows),
+            phase_deg=self.phase.value(wanted),
+            phase_uncertainty_deg=self.phase.uncertainty(self.phase.rows(wanted)),
+        )
+
+    def _require(self, frequency_hz: _Array) -> None:
+        line_hz = 1.0 / self.lines.segment_s
+        outside = (frequency_hz < self.low_hz - line_hz) | (frequency_hz > self.high_hz + line_hz)
+        if outside.any():
+            raise InsufficientDataError(
+                f"{frequency_hz[outside][0]:g} Hz lies outside of what was measured with enough coherence,"
+                f" {self.low_hz:g} … {self.high_hz:g} Hz; choose a frequency inside, or excite the band wider"
+            )
 
 
-def fit_response(response: Response, *, degree: int, coherence_floor: float) -> ResponseCurve:
-    """Fit polynomials of a degree to gain and phase, weighted by 1/ε²: S4.6."""
-    raise NotImplementedError
+def fit_response(
+    response: Response, *, degree: int, coherence_floor: float, phase_degree: int | None = None
+) -> ResponseCurve:
+    """Fit polynomials over the frequency to the logarithm of the gain, and to the phase.
+
+    Parameters
+    ----------
+    response
+        Of a run, or of several runs' spectra averaged.
+    degree, phase_degree
+        Of the polynomials; None: the phase has the gain's.
+    coherence_floor
+        Lines of a lower coherence are left out and listed.
+
+    Raises
+    ------
+    InsufficientDataError
+        Too few lines with as much coherence, for the degree.
+
+    Notes
+    -----
+    S4.6, weighted by 1/ε². The logarithm is fitted, because the error of the gain is relative, and because
+    noise makes the mean of gains too large (by ε²/2), but not that of their logarithms.
+    """
+    used = response.coherence >= coherence_floor
+    used &= np.isfinite(response.error)
+    if not used.any():
+        raise _incoherent(response, coherence_floor)
+    lines = _chosen(response, used)
+    low, high = float(lines.frequency_hz[0]), float(lines.frequency_hz[-1])
+    error = np.maximum(lines.error, _FINEST)  # a weight, where a simulation has no noise at all
+    gain = _estimates(lines, np.log(lines.gain), error, lines.common)
+    none = np.zeros((error.size, 0))
+    phase = _estimates(lines, lines.phase_deg, np.degrees(error), none)
+    return ResponseCurve(
+        log_gain=fit_band_polynomial(gain, low=low, high=high, degree=degree),
+        phase=fit_band_polynomial(
+            phase, low=low, high=high, degree=degree if phase_degree is None else phase_degree
+        ),
+        lines=lines,
+        excluded_hz=_fixed(response.frequency_hz[~used]),
+    )
 
 
 def bandwidth(curve: ResponseCurve, *, reference_hz: float) -> Reading | None:
-    """Find where the gain has fallen by 3 dB, Hz; None where that is beyond the band."""
-    raise NotImplementedError
+    """Find the lowest frequency above a reference at which the gain is 1/√2 of that there, Hz.
+
+    Returns
+    -------
+    None where the gain has not fallen so far at the end of the band: it is not extrapolated.
+
+    Raises
+    ------
+    InsufficientDataError
+        The reference lies outside of the band.
+    """
+    reference = np.array([reference_hz])
+    curve.at(reference)
+    level = float(curve.log_gain.value(reference)[0]) + HALF_POWER
+    found = _crossing(curve.log_gain, level, begin=reference_hz)
+    if found is None:
+        return None
+    rows = curve.log_gain.rows(np.array([found])) - curve.log_gain.rows(reference)
+    return _at_crossing(curve.log_gain, found, rows)
 
 
 def quarter_turn(curve: ResponseCurve) -> Reading | None:
-    """Find where the phase passes −90°, Hz; None where that is beyond the band."""
-    raise NotImplementedError
+    """Find the lowest frequency at which the phase has fallen to −90°, Hz.
+
+    Returns
+    -------
+    None where it has not at the end of the band: it is not extrapolated.
+
+    Raises
+    ------
+    InsufficientDataError
+        The phase is lower than that where the band begins.
+    """
+    begin = float(curve.phase.value(np.array([curve.low_hz]))[0])
+    if begin <= -90.0:
+        raise InsufficientDataError(
+            f"the phase is {begin:.1f}° where the band begins ({curve.low_hz:g} Hz), so that −90° lies below"
+            " it; begin the band lower, or see whether the sign of the scale factor is right"
+        )
+    found = _crossing(curve.phase, -90.0, begin=curve.low_hz)
+    if found is None:
+        return None
+    return _at_crossing(curve.phase, found, curve.phase.rows(np.array([found])))
 
 
 def group_delay(curve: ResponseCurve, *, frequency_hz: float) -> Reading:
-    """Return −dφ/dω at a frequency, s."""
-    raise NotImplementedError
+    """Return −dφ/dω = −(dφ/df)/360° at a frequency of the band, s; raises as `ResponseCurve.at` does."""
+    where = np.array([frequency_hz])
+    curve.at(where)
+    rows = curve.phase.rows(where, derivative=1)
+    slope = float(curve.phase.value(where, derivative=1)[0])
+    return Reading(value=-slope / 360.0, uncertainty=float(curve.phase.uncertainty(rows)[0]) / 360.0)
 
 
 def flatness(curve: ResponseCurve, *, reference_hz: float) -> Reading:
-    """Return how far the gain goes up and down over the band, in % of that at the reference frequency."""
-    raise NotImplementedError
+    """Return the highest less the lowest gain over the band, in % of that at a reference frequency.
+
+    Noise makes it larger, never smaller: a curve that is flat to within its uncertainty is not seen to be.
+
+    Raises
+    ------
+    InsufficientDataError
+        The reference lies outside of the band.
+    """
+    reference = np.array([reference_hz])
+    curve.at(reference)
+    grid = np.linspace(curve.low_hz, curve.high_hz, _GRID)
+    relative = np.exp(curve.log_gain.value(grid) - curve.log_gain.value(reference))
+    ends = np.array([np.argmax(relative), np.argmin(relative)])
+    high, low = relative[ends]
+    rows = curve.log_gain.rows(np.append(grid[ends], reference_hz))
+    change = high * rows[0] - low * rows[1] - (high - low) * rows[2]
+    uncertainty = float(curve.log_gain.uncertainty(change[np.newaxis])[0])
+    return Reading(value=100.0 * float(high - low), uncertainty=100.0 * uncertainty)
+
+
+def _crossing(polynomial: BandPolynomial, level: float, *, begin: float) -> float | None:
+    """Return where a polynomial first falls through a level; None up to the end of the band."""
+    from scipy.optimize import brentq
+
+    def above(x: float) -> float:
+        return float(polynomial.value(np.array([x]))[0]) - level
+
+    grid = np.linspace(begin, polynomial.high, _GRID)
+    beneath = np.flatnonzero(polynomial.value(grid) <= level)
+    if not beneath.size or beneath[0] == 0:
+        return None
+    return float(brentq(above, grid[beneath[0] - 1], grid[beneath[0]]))
+
+
+def _at_crossing(polynomial: BandPolynomial, found: float, rows: _Array) -> Reading:
+    slope = float(polynomial.value(np.array([found]), derivative=1)[0])
+    return Reading(value=found, uncertainty=float(polynomial.uncertainty(rows)[0]) / abs(slope))
+
+
+def _chosen(response: Response, used: NDArray[np.bool_]) -> Response:
+    """Return some of the lines, their phase unwrapped from the first of them on."""
+    return replace(
+        response,
+        frequency_hz=_fixed(response.frequency_hz[used]),
+        gain=_fixed(response.gain[used]),
+        phase_deg=_fixed(np.unwrap(response.phase_deg[used], period=360.0)),
+        coherence=_fixed(response.coherence[used]),
+        error=_fixed(response.error[used]),
+        common=_fixed(response.common[used]),
+    )
+
+
+def _estimates(lines: Response, values: _Array, error: _Array, common: _Array) -> Estimates:
+    return Estimates(
+        x=lines.frequency_hz,
+        y=values,
+        error=error,
+        line=np.rint(lines.frequency_hz * lines.segment_s).astype(np.int64),
+        correlation=lines.correlation,
+        averages=lines.averages,
+        common=common,
+    )
+
+
+def _incoherent(response: Response, floor: float) -> InsufficientDataError:
+    best = int(np.argmax(response.coherence))
+    return InsufficientDataError(
+        f"the coherence is below {floor:g} over the whole band; it is {response.coherence[best]:.3f} at best,"
+        f" at {response.frequency_hz[best]:g} Hz: vibrate harder, see that the unit and the encoder sit on the"
+        " same table and are sampled together, or lower the floor"
+    )
+
+
+def _fixed(array: _Array) -> _Array:
+    array.setflags(write=False)
+    return array
