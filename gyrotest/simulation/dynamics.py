@@ -17,6 +17,8 @@ from scipy.signal import lfilter, lfiltic
 
 _STATES = 2
 _TAPS = 4
+# What was before so many e-foldings is no longer seen.
+_FORGOTTEN = 30.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,6 +43,14 @@ class Dynamics:
         # |H|² = 1/2: u² + (4ζ² − 2)·u − 1 = 0 with u = (f/f_n)².
         middle = 1.0 - 2.0 * self.damping**2
         return self.bandwidth_hz / math.sqrt(middle + math.sqrt(middle**2 + 1.0))
+
+    @property
+    def settling_s(self) -> float:
+        """When what was before is no longer seen."""
+        if self.damping == 0.0:
+            return self.delay_s
+        slowest = self.damping - math.sqrt(max(0.0, self.damping**2 - 1.0))
+        return self.delay_s + _FORGOTTEN / (2.0 * math.pi * self.natural_hz * slowest)
 
     def response(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
         """The complex response, (n,); 1 at zero frequency."""

@@ -1,5 +1,6 @@
 """How what carries a unit moves: its true angle and rate at closely spaced knots, and its angle between them."""
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -90,35 +91,53 @@ class Carried:
         return self._table.angle_deg(self._origin_s + self._interval_s * knots)
 
 
+class Kept:
+    """Values at consecutive knots, of which the last ones are kept."""
+
+    def __init__(self, first: int, kept: int = _KEPT) -> None:
+        self._first = first
+        self._kept = kept
+        self._values: NDArray[np.float64] = np.empty(0)
+
+    def extend(self, values: NDArray[np.float64]) -> None:
+        """Take the next ones, and forget all but a few of those before."""
+        forgotten = max(0, self._values.size - self._kept)
+        self._first += forgotten
+        self._values = np.concatenate([self._values[forgotten:], values])
+
+    def every(self, step: int, knot: int, count: int) -> NDArray[np.float64]:
+        """`count` values, at every `step`-th knot from this one on, (count,); a view."""
+        place = knot - self._first
+        if place < 0 or place + (count - 1) * step >= self._values.size:
+            last = self._first + self._values.size - 1
+            raise ValueError(f"knots {self._first} to {last} are known, {knot} and on are asked for")
+        return self._values[place : place + (count - 1) * step + 1 : step]
+
+
 class Path:
     """The last knots of a motion, from which the angle at any instant among them follows exactly."""
 
     def __init__(self, first: int, interval_s: float) -> None:
-        self._first = first
         self._interval_s = interval_s
-        self._angle_deg: NDArray[np.float64] = np.empty(0)
-        self._rate_dps: NDArray[np.float64] = np.empty(0)
+        self._angle_deg = Kept(first)
+        self._rate_dps = Kept(first)
 
     def extend(self, knots: Knots) -> None:
-        """Take the next knots, and forget all but a few of those before."""
-        forgotten = max(0, self._angle_deg.size - _KEPT)
-        self._first += forgotten
-        self._angle_deg = np.concatenate([self._angle_deg[forgotten:], knots.angle_deg])
-        self._rate_dps = np.concatenate([self._rate_dps[forgotten:], knots.rate_dps])
+        """Take the next knots."""
+        self._angle_deg.extend(knots.angle_deg)
+        self._rate_dps.extend(knots.rate_dps)
 
     def angles_deg(self, knot: int, count: int, *, step: int, shift_s: float) -> NDArray[np.float64]:
         """The angles at `count` instants, `shift_s` after every `step`-th knot from this one on, (count,)."""
-        whole = int(np.floor(shift_s / self._interval_s))
+        whole = math.floor(shift_s / self._interval_s)
         share = shift_s / self._interval_s - whole
-        place = knot + whole - self._first
-        if place < 0:
-            raise ValueError(f"{shift_s:g} s before knot {knot} nothing is known any more")
-        here = slice(place, place + (count - 1) * step + 1, step)
+        here_deg = self._angle_deg.every(step, knot + whole, count)
         if share == 0.0:
-            return self._angle_deg[here]
-        there = slice(place + 1, place + (count - 1) * step + 2, step)
-        angle, rate = self._angle_deg, self._rate_dps
+            return here_deg
+        there_deg = self._angle_deg.every(step, knot + whole + 1, count)
+        rise_dps = self._rate_dps.every(step, knot + whole + 1, count) - self._rate_dps.every(
+            step, knot + whole, count
+        )
         # The rate goes straight, so the angle is a parabola: its chord, less what it sags below that.
-        sag = 0.5 * share * (1.0 - share) * self._interval_s
-        chord = angle[here] + share * (angle[there] - angle[here])
-        return np.asarray(chord - sag * (rate[there] - rate[here]))
+        sag_s = 0.5 * share * (1.0 - share) * self._interval_s
+        return np.asarray(here_deg + share * (there_deg - here_deg) - sag_s * rise_dps)

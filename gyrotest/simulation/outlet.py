@@ -5,8 +5,10 @@ Nothing here waits. What nobody takes in time is lost, as on a serial line.
 
 import contextlib
 import os
+import select
 import socket
 import struct
+import time
 from typing import Protocol
 
 _CHUNK = 65_536
@@ -26,11 +28,21 @@ class Outlet(Protocol):
     def room(self) -> int:
         """Bytes that may be sent now: half of what the line holds, less where much is unread; 0 to nobody."""
 
+    @property
+    def callers(self) -> int:
+        """How many have connected so far; a line that is always there has one."""
+
     def receive(self) -> bytes:
         """What came from the other end."""
 
-    def send(self, data: bytes) -> None:
-        """Send what the line takes."""
+    def wait(self, timeout_s: float) -> None:
+        """Return when somebody connects or says something, or after the time."""
+
+    def send(self, data: bytes) -> int:
+        """Send what the line takes: so many bytes."""
+
+    def hang_up(self) -> None:
+        """Break the connection; another may be made."""
 
     def unplug(self) -> None:
         """Be gone, without a word."""
@@ -47,6 +59,7 @@ class TcpOutlet:
         self._listener.setblocking(False)
         self._address = f"TCPIP::127.0.0.1::{self._listener.getsockname()[1]}::SOCKET"
         self._connection: socket.socket | None = None
+        self._callers = 0
 
     @property
     def address(self) -> str:
@@ -59,6 +72,20 @@ class TcpOutlet:
         if self._connection is None:
             return 0
         return max(0, min(_TCP_HOLDS // 2, _TCP_HOLDS - _unsent(self._connection)))
+
+    @property
+    def callers(self) -> int:
+        """How many have connected so far."""
+        return self._callers
+
+    def wait(self, timeout_s: float) -> None:
+        """Return when somebody connects or says something, or after the time."""
+        lines = [one for one in (self._listener, self._connection) if one is not None]
+        try:
+            select.select(lines, (), (), timeout_s)
+        except (OSError, ValueError):
+            # One of them was closed meanwhile.
+            time.sleep(timeout_s)
 
     def receive(self) -> bytes:
         """What came from the other end; a new connection takes the place of the last one."""
@@ -85,28 +112,35 @@ class TcpOutlet:
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _TCP_HOLDS)
             self._connection = connection
+            self._callers += 1
 
-    def send(self, data: bytes) -> None:
-        """Send what the line takes."""
+    def send(self, data: bytes) -> int:
+        """Send what the line takes: so many bytes."""
         if self._connection is None:
-            return
+            return 0
         try:
-            self._connection.send(data)
+            return self._connection.send(data)
         except BlockingIOError:
-            return
+            return 0
         except OSError:
             self._drop()
+            return 0
 
     def _drop(self) -> None:
         if self._connection is not None:
             self._connection.close()
             self._connection = None
 
-    def unplug(self) -> None:
-        """Be gone: the connection breaks, and none is accepted."""
+    def hang_up(self) -> None:
+        """Break the connection; another is accepted."""
         if self._connection is not None:
             # A broken line, not an orderly end.
             self._connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        self._drop()
+
+    def unplug(self) -> None:
+        """Be gone: the connection breaks, and none is accepted."""
+        self.hang_up()
         self.close()
 
     def close(self) -> None:
@@ -144,6 +178,19 @@ class PtyOutlet:
         # What was sent just before may still be on its way to the reader, on a busy machine.
         return max(0, min(_PTY_HOLDS // 2, _PTY_HOLDS - _asked(self._their, termios.FIONREAD)))
 
+    @property
+    def callers(self) -> int:
+        """One: the line is always there."""
+        return 1
+
+    def wait(self, timeout_s: float) -> None:
+        """Return when something is said, or after the time."""
+        try:
+            select.select([self._own], (), (), timeout_s)
+        except (OSError, ValueError):
+            # It was closed meanwhile.
+            time.sleep(timeout_s)
+
     def receive(self) -> bytes:
         """What came from the other end."""
         if self._own < 0:
@@ -153,13 +200,19 @@ class PtyOutlet:
         except OSError:
             return b""
 
-    def send(self, data: bytes) -> None:
-        """Send what the line takes."""
-        while data and self._own >= 0:
+    def send(self, data: bytes) -> int:
+        """Send what the line takes: so many bytes."""
+        sent = 0
+        while sent < len(data) and self._own >= 0:
             try:
-                data = data[os.write(self._own, data[:4096]) :]
+                sent += os.write(self._own, data[sent : sent + 4096])
             except OSError:
-                return
+                break
+        return sent
+
+    def hang_up(self) -> None:
+        """A terminal has nobody to hang up on but for good."""
+        self.close()
 
     def unplug(self) -> None:
         """Be gone: who reads it is hung up on."""

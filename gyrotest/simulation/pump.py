@@ -19,10 +19,17 @@ class Pump:
     """Lets an instrument send into its outlet all that is due, until it is closed.
 
     `hurried`: nobody else moves the virtual clock, so this does, as fast as the line takes it.
+    `attentive`: the instrument hears what it is told at once, also while the time stands.
     """
 
     def __init__(
-        self, transmit: Transmit, outlet: Outlet, clock: Clock, *, hurried: bool = False
+        self,
+        transmit: Transmit,
+        outlet: Outlet,
+        clock: Clock,
+        *,
+        hurried: bool = False,
+        attentive: bool = False,
     ) -> None:
         self._transmit = transmit
         self._outlet = outlet
@@ -34,8 +41,12 @@ class Pump:
         self._thread: threading.Thread | None = None
         if isinstance(clock, VirtualClock) and not hurried:
             clock.subscribe(self._moved)
-            return
-        self._thread = threading.Thread(target=self._run, daemon=True, name=f"pump-{outlet.address}")
+            if not attentive:
+                return
+        hears = attentive and not hurried
+        self._thread = threading.Thread(
+            target=self._attend if hears else self._run, daemon=True, name=f"pump-{outlet.address}"
+        )
         self._thread.start()
 
     def _moved(self, now_s: float) -> None:
@@ -47,6 +58,11 @@ class Pump:
         while not self._ended.wait(_EVERY_S if not self._hurried or self._outlet.room == 0 else 0.0):
             if self._hurried and self._outlet.room > 0:
                 self._clock.sleep_until(self._clock.now_s() + _HURRIED_STEP_S)
+            self._moved(self._clock.now_s())
+
+    def _attend(self) -> None:
+        while not self._ended.is_set():
+            self._outlet.wait(_EVERY_S)
             self._moved(self._clock.now_s())
 
     def close(self) -> None:

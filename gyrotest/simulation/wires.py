@@ -12,7 +12,7 @@ from gyrotest.simulation.peer import Addressed, Peer, Talking
 from gyrotest.simulation.prologix import PrologixDialogue
 from gyrotest.simulation.pump import Pump
 from gyrotest.simulation.server import PtyServer, Server, TcpServer, has_pty
-from gyrotest.simulation.streaming import Streaming
+from gyrotest.simulation.streaming import Digitizing, Sending
 
 _GPIB_ADDRESS = 22
 _WAYS = ("", ":tcp", ":pty", ":prologix", ":prologix-pty")
@@ -37,8 +37,8 @@ class Wires:
         check_way(name, resource)
         if way.startswith(":prologix"):
             return self._adapted(name, peer, pty=way.endswith("-pty"))
-        if isinstance(peer, Streaming):
-            return self._stream(peer, way)
+        if isinstance(peer, Sending):
+            return self._stream(name, peer, way)
         if not isinstance(peer, Talking):
             raise StationError(
                 [fault(f"instruments.{name}.resource", f"'{resource}': nothing to serve")]
@@ -47,10 +47,15 @@ class Wires:
             return f"ASRL{self._pty(lambda: peer.dialogue(Interface.SERIAL))}::INSTR"
         return f"TCPIP::127.0.0.1::{self._tcp(lambda: peer.dialogue(Interface.SOCKET))}::SOCKET"
 
-    def _stream(self, peer: Streaming, way: str) -> str:
+    def _stream(self, name: str, peer: Sending, way: str) -> str:
         """A line on which the peer sends by itself."""
+        commanded = isinstance(peer, Digitizing)
+        if commanded and way == ":pty":
+            message = "it has a TCP port and no serial line; write simulated[:tcp]"
+            raise StationError([fault(f"instruments.{name}.resource", message)])
         outlet: Outlet = PtyOutlet() if way == ":pty" else TcpOutlet(self._port)
-        self._servers.append(Pump(peer.transmit, outlet, self._clock, hurried=self._hurried))
+        pump = Pump(peer.transmit, outlet, self._clock, hurried=self._hurried, attentive=commanded)
+        self._servers.append(pump)
         return outlet.address
 
     def _adapted(self, name: str, peer: Peer, *, pty: bool) -> str:

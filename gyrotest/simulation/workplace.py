@@ -15,7 +15,7 @@ from gyrotest.simulation.scenarios import Misbehaviour, Scenario
 from gyrotest.simulation.settings import table_axis
 from gyrotest.simulation.signal import Signal
 from gyrotest.simulation.stage import ShaftErrors, shaft_errors, stage_axes, stage_carriages
-from gyrotest.simulation.streaming import Streaming
+from gyrotest.simulation.streaming import Digitizing, Streaming
 from gyrotest.simulation.streams import Normals, generator
 from gyrotest.simulation.surroundings import Surroundings
 from gyrotest.simulation.unit import Dice, GyroParameters, misalignment_deg
@@ -71,6 +71,8 @@ class Workplace:
             source.connect(occasion, self._signals(housed), faults)
         elif isinstance(source, Streaming):
             source.house(housed)
+        elif isinstance(source, Digitizing):
+            source.seat(self._slot, housed)
 
     def _carriages(self, occasion: Occasion) -> tuple[Carriage, ...]:
         """How the unit's axes sit on what turns it, for a record."""
