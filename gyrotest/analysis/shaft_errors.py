@@ -33,7 +33,7 @@ class FittedShaft:
             model=found.model,
             arcs=found.arcs,
             coefficients=found.coefficients,
-            weights=found.fit.weights,
+            weights=np.asarray(found.fit.weights),
         )
 
     @classmethod
@@ -43,7 +43,7 @@ class FittedShaft:
             model=model,
             arcs=arcs,
             coefficients=coefficients,
-            weights=np.linalg.pinv(model.design(arcs)),
+            weights=np.asarray(np.linalg.pinv(model.design(arcs))),
         )
 
     def given(self, model: ShaftModel, arcs: Arcs) -> _Array:
