@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from gyrotest.acquisition.stimulation import Stimulation
+from gyrotest.acquisition.stimulation import Stimulation, Vibrates
 from gyrotest.clock import RealClock
 from gyrotest.errors import RefusedError
-from gyrotest.ports import Clock, DigitalGyro, Source
+from gyrotest.ports import Clock, DigitalGyro, Playback, Source
 from gyrotest.records.plan import Plan
 from gyrotest.records.run import InstrumentUse, PlannedItem
 from gyrotest.records.spec import Case, Spec
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from gyrotest.acquisition.power import Power
     from gyrotest.acquisition.soaking import ChamberDrive
     from gyrotest.acquisition.turning import TableDrive
+    from gyrotest.acquisition.vibrating import VibrationTable
     from gyrotest.simulation.bench import SimulatedBench
 
 
@@ -60,6 +61,7 @@ class Bench:
         self._sources: dict[tuple[str, str], OpenSource] = {}
         self._tables: dict[str, TableDrive] = {}
         self._chambers: dict[str, ChamberDrive] = {}
+        self._vibrations: dict[str, VibrationTable] = {}
         self._supplies: dict[tuple[str, int], Power] = {}
         self._uses: dict[str, InstrumentUse] = {}
         self._safe = contextlib.ExitStack()
@@ -161,12 +163,19 @@ class Bench:
 
     # What acts on the unit
 
-    def stimulation(self, slot: str, plan: Plan) -> Stimulation:
-        """What a plan needs of a slot's table and chamber, opened; raises `InstrumentError`."""
+    def stimulation(
+        self, slot: str, plan: Plan, *, source: Source, by_hand: Vibrates | None = None
+    ) -> Stimulation:
+        """What a plan needs of a slot's tables and chamber, opened; raises `InstrumentError`.
+
+        `by_hand` is the vibration where the slot has nothing that drives it.
+        """
         place = self.station.slots[slot]
         return Stimulation(
             table=self._table(place) if plan.turns else None,
             chamber=self._chamber(place) if plan.soaks else None,
+            vibration=self._vibration(place, source, by_hand) if plan.vibrates else None,
+            interval_s=plan.interval_s,
         )
 
     def _table(self, place: Slot) -> "TableDrive | None":
@@ -185,11 +194,30 @@ class Bench:
         self._tables[name].take_up()
         return self._tables[name]
 
+    def _vibration(self, place: Slot, source: Source, by_hand: Vibrates | None) -> Vibrates | None:
+        from gyrotest.acquisition.vibrating import VibrationRecorded, VibrationTable
+
+        name = place.vibration
+        if isinstance(source, Playback):
+            return VibrationRecorded()
+        if name is None:
+            return by_hand
+        if name not in self._vibrations:
+            drive = self._drivers.vibration(name)
+            self._open(name, drive)
+            self._vibrations[name] = VibrationTable(drive, clock=self.clock)
+        self._vibrations[name].take_up()
+        return self._vibrations[name]
+
     def put_down_table(self, slot: str) -> None:
-        """After a fault: a slot's table at rest and disconnected; its next use opens it anew."""
-        table = self._tables.get(self.station.slots[slot].table or "")
+        """After a fault: a slot's tables at rest and disconnected; their next use opens them anew."""
+        place = self.station.slots[slot]
+        table = self._tables.get(place.table or "")
         if table is not None:
             table.put_down()
+        vibration = self._vibrations.get(place.vibration or "")
+        if vibration is not None:
+            vibration.put_down()
 
     def _motion(self, name: str) -> Motion:
         motion = self.station.instruments[name].motion
@@ -250,10 +278,13 @@ class Bench:
         """Leave everything safe: tables at rest, sources closed, outputs off; idempotent, never raises."""
         for table in self._tables.values():
             table.rest()
+        for vibration in self._vibrations.values():
+            vibration.rest()
         for opened in self._sources.values():
             opened.source.close()
         self._safe.close()
         self._sources, self._tables, self._supplies, self._chambers = {}, {}, {}, {}
+        self._vibrations = {}
         if self._simulated:
             self._simulated.close()
 

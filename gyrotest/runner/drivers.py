@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from gyrotest.ports import Chamber, Clock, PowerSupply, RateTable, Source
+from gyrotest.ports import Chamber, Clock, PowerSupply, RateTable, Source, VibrationDrive
 from gyrotest.records.recording import Identity
 from gyrotest.records.run import InstrumentUse
 from gyrotest.records.station import Motion, Station
@@ -53,6 +53,11 @@ class Drivers:
     def chamber(self, name: str) -> Chamber:
         """The driver of a temperature chamber, not opened yet."""
         made: Chamber = self._made(name, self._address(name))
+        return made
+
+    def vibration(self, name: str) -> VibrationDrive:
+        """The driver of what drives a vibration table, not opened yet."""
+        made: VibrationDrive = self._made(name, self._address(name))
         return made
 
     def opened(self, name: str, resource: str, driver: Openable) -> InstrumentUse:

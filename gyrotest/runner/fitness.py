@@ -3,9 +3,11 @@
 from collections.abc import Iterator
 
 from gyrotest.errors import RefusedError
+from gyrotest.ports import Playback, SyncDaq
 from gyrotest.records.plan import Plan
 from gyrotest.records.spec import Spec
 from gyrotest.records.station import Slot, Station
+from gyrotest.registry import INSTRUMENTS, load
 from gyrotest.runner.items import planned_case
 from gyrotest.runner.places import slots_of
 
@@ -38,6 +40,8 @@ def _plan_faults(plan: Plan, station: Station, name: str, slot: Slot) -> Iterato
             f"needs a temperature chamber, and slot '{name}' of station '{station.name}' names none;"
             " give the slot a 'chamber', or choose another station by --gyro-station"
         )
+    if plan.vibrates:
+        yield from _vibrating_faults(plan, station, name, slot)
 
 
 def _turning_faults(plan: Plan, station: Station, name: str, slot: Slot) -> Iterator[str]:
@@ -57,3 +61,47 @@ def _turning_faults(plan: Plan, station: Station, name: str, slot: Slot) -> Iter
     from gyrotest.acquisition.turning import motion_faults
 
     yield from motion_faults(plan, motion)
+
+
+def _vibrating_faults(plan: Plan, station: Station, name: str, slot: Slot) -> Iterator[str]:
+    place = f"slot '{name}' of station '{station.name}'"
+    if slot.encoder is None:
+        yield (
+            f"vibrates the unit against the angle of the table that carries it, and {place} has no encoder; give"
+            " it an 'encoder', e.g. {sine: ua, cosine: ub, lines: 9000}, or choose another station by"
+            " --gyro-station"
+        )
+    source = station.instruments[slot.source]
+    driver = load(INSTRUMENTS, source.driver)
+    replays = issubclass(driver, Playback)
+    if not replays and not issubclass(driver, SyncDaq):
+        yield (
+            f"needs the gyro's output and the encoder sampled at the same instants, and the source '{slot.source}'"
+            f" ({source.driver}) of {place} does not do that; read both by a synchronous source, e.g. sync_stream"
+        )
+    if replays:
+        return
+    if slot.vibration is not None:
+        yield from _drive_faults(plan, station, slot.vibration)
+    elif station.simulation is not None:
+        yield (
+            f"vibrates the unit, and {place}, a simulated one, has nothing that drives a vibration table; give the"
+            " slot a 'vibration', e.g. an instrument with the driver keysight33500b"
+        )
+
+
+def _drive_faults(plan: Plan, station: Station, name: str) -> Iterator[str]:
+    from gyrotest.acquisition.vibrating import VibrationLimits, vibration_faults
+    from gyrotest.specification.station import instrument_settings
+
+    instrument = station.instruments[name]
+    driver = load(INSTRUMENTS, instrument.driver)
+    if not hasattr(driver, "random"):
+        yield (
+            f"vibrates the unit, and the instrument '{name}' ({instrument.driver}) does not drive a vibration"
+            " table; name one that does as the slot's 'vibration', e.g. with the driver keysight33500b"
+        )
+        return
+    limits = instrument_settings(instrument, driver)
+    if isinstance(limits, VibrationLimits):
+        yield from vibration_faults(plan, limits)

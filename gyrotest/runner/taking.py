@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from gyrotest.acquisition.acquire import Acquisition
 from gyrotest.acquisition.progress import Coming, Progress
 from gyrotest.acquisition.tracks import Track
+from gyrotest.acquisition.vibrating import VibrationByHand
 from gyrotest.errors import AcquisitionError, GyrotestError, InstrumentError
 from gyrotest.ports import DigitalGyro, Playback, Remarking
 from gyrotest.records.recording import Identity, Recording, RecordingHeader, Sampling
@@ -171,7 +172,9 @@ class Taking:
                 for part, of_unit in zip(self._parts, shares, strict=True)
             ),
             plan=planned.plan,
-            stimulation=bench.stimulation(self._first.slot, planned.plan),
+            stimulation=bench.stimulation(
+                self._first.slot, planned.plan, source=opened.source, by_hand=self._vibration_by_hand()
+            ),
             allowed_loss=None if loss is None else loss.to(""),
         )
         outcome = Outcome.INTERRUPTED
@@ -182,6 +185,24 @@ class Taking:
             outcome = Outcome.ACQUIRED
         finally:
             self._put_on_record(opened, acquisition, outcome)
+
+    def _vibration_by_hand(self) -> VibrationByHand | None:
+        """The operator at a vibration table that has a controller of its own; nobody on a simulated bench."""
+        if self._first.header.station.station.simulation is not None:
+            return None
+        item = self._first.item.name
+        return VibrationByHand(
+            clock=self._bench.clock,
+            ask=lambda text: self._confirm(f"{item}: {text}"),
+            told=self._remark,
+            note=lambda text: self._progress.note(f"{item}: {text}"),
+        )
+
+    def _remark(self, text: str) -> None:
+        """Something that each unit's certificate is to say of this acquisition, once."""
+        for part in self._parts:
+            remarks = dict.fromkeys((*part.attempt.remarks, text))
+            part.attempt = replace(part.attempt, remarks=tuple(remarks))
 
     def _put_on_record(self, opened: OpenSource, acquisition: Acquisition, outcome: Outcome) -> None:
         bench, source = self._bench, opened.source
