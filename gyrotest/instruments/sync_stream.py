@@ -24,6 +24,7 @@ from gyrotest.instruments.block_stream.link import Link
 from gyrotest.instruments.block_stream.messages import HEADER, Packet
 from gyrotest.instruments.pacing import Grid
 from gyrotest.instruments.sync_stream_settings import SyncStreamSettings
+from gyrotest.instruments.synchronous.agreement import filter_hz, noise_of, refuse_other_rate
 from gyrotest.instruments.synchronous.choice import Choice, choose, refuse_unknown
 from gyrotest.instruments.synchronous.settings import Trigger, seconds
 from gyrotest.instruments.transport.byte_stream import OpenStream, open_stream
@@ -32,7 +33,6 @@ from gyrotest.ports import Clock
 from gyrotest.records.bench import DaqChannel
 from gyrotest.records.recording import Block, Identity, Sampling
 from gyrotest.records.station import Accuracy
-from gyrotest.units import same_dimension
 
 _OPEN_TIMEOUT_S = 3.0
 _IO_TIMEOUT_S = 5.0
@@ -40,8 +40,6 @@ _IO_TIMEOUT_S = 5.0
 _READ_S = 1.0
 _READ_BYTES = 131_072
 _WORD = 4
-_RATES_AGREE = 1e-6
-_FILTERS_AGREE = 0.01
 # How often it is looked for the first samples after an external trigger.
 _TRIGGER_STEP_S = 0.1
 
@@ -128,9 +126,9 @@ class SyncStream:
             interval_s,
             skew_s=seconds(settings.skew),
             skew_uncertainty_s=None if uncertainty is None else uncertainty.to("s"),
-            filter_hz=self._filter_hz(configured),
+            filter_hz=filter_hz(who, said_hz=configured.filter_hz, stated=settings.filter),
             full_scale=configured.full_scale,
-            noise=self._noise(choice.units[0]),
+            noise=noise_of(self._accuracy, choice.units[0]),
         )
 
     def start(self, first: int, count: int) -> None:
@@ -208,11 +206,7 @@ class SyncStream:
         configured = link.ask(
             "CONFIGURE", CONFIGURED, channels=choice.names, rate_hz=rate_hz, trigger=trigger.value
         )
-        if not math.isclose(configured.rate_hz, rate_hz, rel_tol=_RATES_AGREE):
-            raise InstrumentError(
-                f"{link.who}: samples at {configured.rate_hz:.9g} Hz where {rate_hz:.9g} Hz is asked for; set"
-                f" the case's interval to {1.0 / configured.rate_hz:.12g} s, or to another that it has"
-            )
+        refuse_other_rate(link.who, asked_hz=rate_hz, had_hz=configured.rate_hz)
         link.messages.channels = len(choice.channels)
         self._trigger = trigger
         return configured
@@ -253,19 +247,3 @@ class SyncStream:
             raise InstrumentProtocolError(
                 f"{self._link.who}: {found}; each has a name of its own, a scale other than 0 and a skew"
             )
-
-    def _filter_hz(self, configured: Configured) -> float | None:
-        """What the instrument says of its filter, or else the station; raises where they differ."""
-        said = self._settings.filter
-        if said is None or configured.filter_hz is None:
-            return configured.filter_hz if said is None else said.to("Hz")
-        if not math.isclose(said.to("Hz"), configured.filter_hz, rel_tol=_FILTERS_AGREE):
-            raise InstrumentError(
-                f"{self._link.who}: its filter cuts off at {configured.filter_hz:g} Hz, the station says {said};"
-                " correct or remove the station's filter"
-            )
-        return configured.filter_hz
-
-    def _noise(self, unit: str) -> float | None:
-        noise = self._accuracy.noise if self._accuracy else None
-        return noise.to(unit) if noise is not None and same_dimension(noise.unit, unit) else None

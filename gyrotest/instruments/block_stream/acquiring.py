@@ -35,11 +35,7 @@ class Acquiring:
         ]
         told += [f"{many(damaged, 'block')} with bad CRC"] if damaged else []
         told = told or ["no sample lost"]
-        told += [
-            f"'{name}' is clipped in {many(count, 'sample')}"
-            for name, count in self.assembly.clipped.items()
-            if count
-        ]
+        told += self.assembly.clipping.remarks()
         if self.recovered:
             told.append(
                 f"connected anew {many(self.recovered, 'time')}; what came after has its place by the"

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from gyrotest.errors import InstrumentError, InstrumentProtocolError
 from gyrotest.instruments.block_stream.messages import CLIPPED, Packet
 from gyrotest.instruments.synchronous.choice import Choice
-from gyrotest.records.recording import Block, SampleFlag
+from gyrotest.instruments.synchronous.clipping import Clipping
+from gyrotest.records.recording import Block
 
 _SEQUENCES = 1 << 32
 
@@ -38,10 +39,10 @@ class Assembly:
     """Makes samples of one acquisition's packets, which `begin` anew at each start of the source."""
 
     def __init__(self, who: str, choice: Choice, interval_s: float) -> None:
-        self._who, self._choice, self._interval_s = who, choice, interval_s
+        self._who, self._interval_s = who, interval_s
         self._factors = np.array(choice.factors)
         self.overrun, self.on_the_way = Losses(), Losses()
-        self.clipped = dict.fromkeys(choice.names[choice.outputs :], 0)
+        self.clipping = Clipping(choice)
         self.begin(0, 0)
 
     def begin(self, first: int, end: int) -> None:
@@ -88,17 +89,9 @@ class Assembly:
         )
 
     def _flags(self, raw: NDArray[np.int32]) -> NDArray[np.uint8]:
-        flags = np.zeros(len(raw), dtype=np.uint8)
         if raw.max() < CLIPPED and raw.min() > -CLIPPED:
-            return flags
-        clipped = (raw >= CLIPPED) | (raw <= -CLIPPED)
-        outputs = self._choice.outputs
-        flags[clipped[:, :outputs].any(axis=1)] |= np.uint8(SampleFlag.OVERLOAD)
-        # What is beside the outputs is their reference: without it a sample is worth nothing.
-        flags[clipped[:, outputs:].any(axis=1)] |= np.uint8(SampleFlag.FAULT)
-        for at, name in enumerate(self.clipped, start=outputs):
-            self.clipped[name] += int(np.count_nonzero(clipped[:, at]))
-        return flags
+            return np.zeros(len(raw), dtype=np.uint8)
+        return self.clipping.flags((raw >= CLIPPED) | (raw <= -CLIPPED))
 
     def _refuse_wrong(self, packet: Packet, first: int, count: int) -> None:
         behind = (packet.sequence - self._sequence) % _SEQUENCES >= _SEQUENCES // 2
