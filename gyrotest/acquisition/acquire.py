@@ -10,7 +10,7 @@ from gyrotest.acquisition.stimulation import Stimulation
 from gyrotest.acquisition.tracks import Track, Tracks
 from gyrotest.errors import AcquisitionError, GyrotestError, InstrumentError, OverloadError
 from gyrotest.ports import Clock, DigitalGyro, Playback, Source
-from gyrotest.records.plan import Plan, Step, Turning
+from gyrotest.records.plan import Plan, Rotating, Step, Turning
 from gyrotest.records.recording import Block, Dwell, Gap, Recording
 
 RETRY_PAUSES_S = (1.0, 5.0, 30.0)
@@ -69,6 +69,7 @@ class Acquisition:
         try:
             with self._told_of(step):
                 self._sample(tracks, step)
+                self.stimulation.leave()
         finally:
             read_back = self.stimulation.read_back()
             tracks.dwell(
@@ -82,6 +83,8 @@ class Acquisition:
                     measured_rate_dps=read_back.rate_dps,
                     temperature_degc=read_back.demanded_temperature_degc,
                     measured_temperature_degc=read_back.temperature_degc,
+                    position_deg=read_back.demanded_position_deg,
+                    measured_position_deg=read_back.position_deg,
                     vibration_dps=read_back.vibration_dps,
                     frequency_hz=read_back.frequency_hz,
                     band_hz=read_back.band_hz,
@@ -170,6 +173,7 @@ class Acquisition:
             raise AcquisitionError(f"{fault}; given up after {MOST_RECOVERIES} recoveries in one record")
         for tried, pause_s in enumerate(RETRY_PAUSES_S[faults:], start=faults + 1):
             self._note(f"{fault}; try {tried} of {len(RETRY_PAUSES_S)} in {pause_s:g} s")
+            self.stimulation.allow_pause(pause_s)
             self.clock.sleep_until(self.clock.now_s() + pause_s)
             self.stimulation.watch()
             try:
@@ -205,6 +209,6 @@ class Acquisition:
 
 def _step_words(step: Step) -> str:
     """A step by its name, and by its rate where it has one."""
-    if not isinstance(step.stimulus, Turning):
-        return f"step '{step.name}'"
-    return f"step '{step.name}' at {step.stimulus.rate_dps:g} °/s"
+    if isinstance(step.stimulus, Turning | Rotating):
+        return f"step '{step.name}' at {step.stimulus.rate_dps:g} °/s"
+    return f"step '{step.name}'"

@@ -4,7 +4,16 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from gyrotest.errors import AcquisitionError
-from gyrotest.records.plan import Excitation, Soaking, Step, Stimulus, Turning, Vibrating
+from gyrotest.records.plan import (
+    Excitation,
+    Pointing,
+    Rotating,
+    Soaking,
+    Step,
+    Stimulus,
+    Turning,
+    Vibrating,
+)
 
 
 class Turns(Protocol):
@@ -49,6 +58,28 @@ class Vibrates(Protocol):
         """Bring it to rest; never raises."""
 
 
+class Rotates(Protocol):
+    """A stage that is turned within one turn, or held at angles, and watched."""
+
+    def reach(self, stimulus: Rotating | Pointing, *, sampled_s: float) -> None:
+        """Return when the first sample may be taken; it is sampled for so long then."""
+
+    def watch(self) -> None:
+        """Look at it in the middle of a dwell; raises `InstrumentError` where it does otherwise."""
+
+    def allow_pause(self, pause_s: float) -> None:
+        """Raise `InstrumentError`, stopped, where it cannot be left alone for so long."""
+
+    def leave(self) -> None:
+        """The last sample is taken; raises `InstrumentError`."""
+
+    def read_back(self) -> "ReadBack":
+        """What the step asked for, and the mean of what was read back in the dwell."""
+
+    def rest(self) -> None:
+        """Bring it to rest and back to its start; never raises."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReadBack:
     """What a step asked for, and what was read back while it was sampled."""
@@ -57,6 +88,8 @@ class ReadBack:
     rate_dps: float | None = None
     demanded_temperature_degc: float | None = None
     temperature_degc: float | None = None
+    demanded_position_deg: float | None = None
+    position_deg: float | None = None
     vibration_dps: float | None = None
     frequency_hz: float | None = None
     band_hz: tuple[float, float] | None = None
@@ -66,12 +99,13 @@ class ReadBack:
 class Stimulation:
     """What a slot has for the steps of a plan; nothing where the plan leaves the bench as it is.
 
-    `interval_s` is the plan's: a sweep lasts as long as it is sampled.
+    `interval_s` is the plan's: a sweep, and a turn, lasts as long as it is sampled.
     """
 
     table: Turns | None = None
     chamber: Soaks | None = None
     vibration: Vibrates | None = None
+    stage: Rotates | None = None
     interval_s: float = 0.0
     _now: Stimulus | None = None
 
@@ -84,6 +118,8 @@ class Stimulation:
             self._soaks(step).reach(step.stimulus)
         elif isinstance(step.stimulus, Vibrating):
             self._vibrates(step).reach(step.stimulus, sampled_s=step.samples * self.interval_s)
+        elif isinstance(step.stimulus, Rotating | Pointing):
+            self._rotates(step).reach(step.stimulus, sampled_s=step.samples * self.interval_s)
 
     def watch(self) -> None:
         """See in the middle of a dwell that the stimulus still holds; raises `InstrumentError`."""
@@ -93,6 +129,18 @@ class Stimulation:
             self.chamber.watch()
         elif self.vibration is not None and isinstance(self._now, Vibrating):
             self.vibration.watch()
+        elif self.stage is not None and isinstance(self._now, Rotating | Pointing):
+            self.stage.watch()
+
+    def allow_pause(self, pause_s: float) -> None:
+        """Raise `InstrumentError` where what moves, and is stopped then, cannot be left alone for so long."""
+        if self.stage is not None and isinstance(self._now, Rotating | Pointing):
+            self.stage.allow_pause(pause_s)
+
+    def leave(self) -> None:
+        """A step's last sample is taken: what must not go on is stopped; raises `InstrumentError`."""
+        if self.stage is not None and isinstance(self._now, Rotating | Pointing):
+            self.stage.leave()
 
     def read_back(self) -> ReadBack:
         """What the step asked for and what was read back since it was reached."""
@@ -103,6 +151,8 @@ class Stimulation:
                 demanded_temperature_degc=self._now.temperature_degc,
                 temperature_degc=self.chamber.read_back(),
             )
+        if self.stage is not None and isinstance(self._now, Rotating | Pointing):
+            return self.stage.read_back()
         if isinstance(self._now, Vibrating):
             return _vibration(self._now)
         return ReadBack()
@@ -111,6 +161,8 @@ class Stimulation:
         """Leave everything at rest; never raises."""
         if self.table is not None:
             self.table.rest()
+        if self.stage is not None:
+            self.stage.rest()
         if self.vibration is not None:
             self.vibration.rest()
 
@@ -127,6 +179,14 @@ class Stimulation:
                 f"step '{step.name}' needs a temperature, and the slot has no chamber; give it a 'chamber'"
             )
         return self.chamber
+
+    def _rotates(self, step: Step) -> Rotates:
+        if self.stage is None:
+            raise AcquisitionError(
+                f"step '{step.name}' turns the unit in gravity, and its slot has no rotation stage; give it a"
+                " 'table' with a 'shaft'"
+            )
+        return self.stage
 
     def _vibrates(self, step: Step) -> Vibrates:
         if self.vibration is None:

@@ -4,6 +4,7 @@ import contextlib
 import logging
 import math
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from gyrotest.errors import InstrumentError
@@ -67,6 +68,17 @@ def time_limit_s(change_dps: float, acceleration_dps2: float) -> float:
     return _RUN_UP_MARGIN * abs(change_dps) / acceleration_dps2 + _GRACE_S
 
 
+def come_to_rest(table: RateTable, *, clock: Clock, motion: Motion, name: str) -> None:
+    """Return when a table rests; raises `InstrumentError` where it does not."""
+    deadline_s = clock.now_s() + time_limit_s(
+        motion.max_rate.to(Dimension.RATE), motion.max_acceleration.to(Dimension.RATE_RAMP)
+    )
+    while abs(table.rate_dps()) > _AT_REST_DPS:
+        if clock.now_s() >= deadline_s:
+            raise InstrumentError(f"{name}: does not come to rest")
+        clock.sleep_until(clock.now_s() + _POLL_S)
+
+
 def motion_faults(plan: Plan, motion: Motion) -> tuple[str, ...]:
     """What a table with this motion cannot do of a plan; nothing is commanded for it.
 
@@ -113,16 +125,23 @@ class TableDrive:
 
     The table is opened by its owner, who also closes it; it is switched on with the first rate. Where
     there is no slip ring it turns back after the plan to where it stood before. After a fault it is
-    put down, and opened anew for what comes next.
+    put down, and opened anew for what comes next. A `go_home` that is given does the going back.
     """
 
     def __init__(
-        self, table: RateTable, *, clock: Clock, motion: Motion, name: str = "rate table"
+        self,
+        table: RateTable,
+        *,
+        clock: Clock,
+        motion: Motion,
+        name: str = "rate table",
+        go_home: Callable[[], None] | None = None,
     ) -> None:
         self._table = table
         self._clock = clock
         self._motion = motion
         self._name = name
+        self._go_home = self._unwind if go_home is None else go_home
         self._acceleration_dps2 = motion.max_acceleration.to(Dimension.RATE_RAMP)
         self._start_deg: float | None = None
         self._turning = Turning(rate_dps=0.0)
@@ -136,7 +155,7 @@ class TableDrive:
     def reach(self, turning: Turning) -> None:
         """Return when it turns at the rate and has settled; raises `InstrumentError` where it does not."""
         self._forget()
-        self._switch_on()
+        self.switch_on()
         change_dps = turning.rate_dps - self._turning.rate_dps
         self._turning = turning
         self._table.set_rate(turning.rate_dps)
@@ -177,9 +196,9 @@ class TableDrive:
         if fault is not None and not isinstance(fault, Exception):
             return
         with contextlib.suppress(InstrumentError):
-            self._come_to_rest()
+            come_to_rest(self._table, clock=self._clock, motion=self._motion, name=self._name)
             if fault is None:
-                self._unwind()
+                self._go_home()
 
     def put_down(self) -> None:
         """After a fault: at rest, switched off and disconnected, its turns still counted; never raises."""
@@ -193,7 +212,8 @@ class TableDrive:
             self._table.open()
             self._put_down = False
 
-    def _switch_on(self) -> None:
+    def switch_on(self) -> None:
+        """See that it is on, and at its start where a plan begins; raises `InstrumentError`."""
         if not self._enabled:
             if self._start_deg is None:
                 self._start_deg = self._table.position_deg()
@@ -201,7 +221,7 @@ class TableDrive:
             self._enabled = True
         if self._between_plans:
             # An earlier plan that broke off may have left the cables wound up.
-            self._unwind()
+            self._go_home()
             self._between_plans = False
 
     def _settle(self, turning: Turning, deadline_s: float) -> None:
@@ -238,15 +258,6 @@ class TableDrive:
         self._sum_dps = 0.0
         self._count = 0
 
-    def _come_to_rest(self) -> None:
-        deadline_s = self._clock.now_s() + time_limit_s(
-            self._motion.max_rate.to(Dimension.RATE), self._acceleration_dps2
-        )
-        while abs(self._table.rate_dps()) > _AT_REST_DPS:
-            if self._clock.now_s() >= deadline_s:
-                raise InstrumentError(f"{self._name}: does not come to rest")
-            self._clock.sleep_until(self._clock.now_s() + _POLL_S)
-
     def _unwind(self) -> None:
         """Turn back to the start, not by the shorter way but by the one that it came."""
         if self._motion.slip_ring or self._start_deg is None:
@@ -268,4 +279,4 @@ class TableDrive:
         self._table.set_rate(-math.copysign(rate_dps, wound_deg))
         self._clock.sleep_until(begun_s + abs(wound_deg) / rate_dps)
         self._table.set_rate(0.0)
-        self._come_to_rest()
+        come_to_rest(self._table, clock=self._clock, motion=self._motion, name=self._name)

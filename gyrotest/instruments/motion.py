@@ -12,6 +12,8 @@ _TURN_DEG = 360.0
 # After a longer time an angle within one turn says too little of the rate.
 _LONGEST_SPAN_S = 20.0
 _SAME_TIME_S = 1e-6
+# A stage that stood a hair below its zero still comes to the end of its turn: cables have that much play.
+_PLAY_DEG = 1.0
 
 
 def max_rate_dps(motion: Motion) -> float:
@@ -124,7 +126,7 @@ class Envelope:
         return there_deg
 
     def _refuse_wound_up(self, turned_deg: float, max_turns: float) -> None:
-        if abs(turned_deg) > max_turns * _TURN_DEG:
+        if abs(turned_deg) > max_turns * _TURN_DEG + _PLAY_DEG:
             raise InstrumentError(
                 f"{self.who}: it has turned by {turned_deg / _TURN_DEG:.2f} turns, the cables allow ±{max_turns:g}"
                 " (motion.max_turns); it is stopped; see that the cables are whole, and turn it back by hand"
@@ -138,7 +140,7 @@ class Envelope:
                 " cables let the table turn; nothing was sent; give the instrument's motion 'slip_ring: true' or"
                 " 'max_turns'"
             )
-        if abs(turned_deg) > max_turns * _TURN_DEG:
+        if abs(turned_deg) > max_turns * _TURN_DEG + _PLAY_DEG:
             raise InstrumentError(
                 f"{self.who}: {asked} would turn the table by {turned_deg / _TURN_DEG:.2f} turns from its start,"
                 f" the cables allow ±{max_turns:g} (motion.max_turns); nothing was sent; order the rates"
