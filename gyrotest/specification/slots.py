@@ -1,11 +1,17 @@
-"""What must hold of a station's slots and of what turns, powers and soaks the units there."""
+"""What must hold of a station's slots and of what turns, vibrates, powers and soaks the units there."""
 
 from collections.abc import Iterator
 
-from gyrotest.records.station import Motion, Slot, Station
+from gyrotest.analysis.mounting import frame_complaints
+from gyrotest.records.station import Encoder, Motion, Shaft, Slot, Station
 from gyrotest.specification.checked import Complaint
 from gyrotest.specification.shapes import nearest
 from gyrotest.specification.yaml_tree import KeyPath
+
+_ENCODER = "encoder_"
+_GRATING = "{sine: ua, cosine: ub, lines: 9000}"
+_TURN_DEG = 360.0
+_MOST_TILT_DEG = 5.0
 
 
 def slot_complaints(station: Station) -> Iterator[Complaint]:
@@ -15,6 +21,10 @@ def slot_complaints(station: Station) -> Iterator[Complaint]:
     for name, slot in station.slots.items():
         yield from _instrument_complaints(station, slot, ("slots", name))
         yield from _channel_complaints(slot, ("slots", name))
+        if slot.encoder is not None:
+            yield from _encoder_complaints(slot.encoder, ("slots", name, "encoder"))
+        for message in frame_complaints(slot.frame):
+            yield Complaint(("slots", name, "frame"), message)
     yield from _shared_outputs(station)
 
 
@@ -43,9 +53,49 @@ def _channel_complaints(slot: Slot, key: KeyPath) -> Iterator[Complaint]:
         yield Complaint((*key, "channels"), message, ((*key, "channel"),))
     named = [*slot.channels.values(), *slot.auxiliary.values()]
     named += [] if slot.channel is None else [slot.channel]
+    if slot.encoder is not None:
+        named += [one for one in _channels(slot.encoder).values() if one is not None]
+        yield from (
+            Complaint((*key, "auxiliary", name), f"names that begin with '{_ENCODER}' are the encoder's")
+            for name in slot.auxiliary
+            if name.startswith(_ENCODER)
+        )
     twice = next((one for one in named if named.count(one) > 1), None)
     if twice is not None:
         yield Complaint(key, f"channel '{twice}' is named twice")
+
+
+def _channels(encoder: Encoder) -> dict[str, str | None]:
+    return {"sine": encoder.sine, "cosine": encoder.cosine, "angle": encoder.angle}
+
+
+def _encoder_complaints(encoder: Encoder, key: KeyPath) -> Iterator[Complaint]:
+    grating = {"sine": encoder.sine, "cosine": encoder.cosine, "lines": encoder.lines}
+    missing = [name for name, value in grating.items() if value is None]
+    if encoder.angle is None and missing:
+        what = "is empty" if len(missing) == len(grating) else f"lacks {' and '.join(missing)}"
+        yield Complaint(key, f"{what}; write e.g. {_GRATING}, or {{angle: theta}}")
+    if encoder.angle is not None and len(missing) < len(grating):
+        beside = next(name for name in grating if name not in missing)
+        message = f"stands beside '{beside}'; an encoder has either an 'angle', or e.g. {_GRATING}"
+        yield Complaint((*key, "angle"), message, ((*key, beside),))
+    if encoder.lines is not None and encoder.lines < 1:
+        yield Complaint((*key, "lines"), f"{encoder.lines} lines are no grating; it has one or more")
+    if encoder.accuracy is not None and encoder.accuracy.value < 0:
+        yield Complaint((*key, "accuracy"), f"'{encoder.accuracy}' is less than zero")
+
+
+def shaft_complaints(shaft: Shaft, key: KeyPath) -> Iterator[Complaint]:
+    """Give what is wrong with how a level shaft lies."""
+    for name in ("azimuth_uncertainty", "tilt_uncertainty", "index_uncertainty"):
+        value = getattr(shaft, name)
+        if value.value < 0:
+            yield Complaint((*key, name), f"'{value}' is less than zero; it is a half-width")
+    if shaft.azimuth is not None and abs(shaft.azimuth.to("deg")) > _TURN_DEG:
+        yield Complaint((*key, "azimuth"), f"'{shaft.azimuth}' is not between '-360 deg' and '360 deg'")
+    if abs(shaft.tilt.to("deg")) > _MOST_TILT_DEG:
+        message = f"'{shaft.tilt}' is more than {_MOST_TILT_DEG:g} deg; such a shaft does not lie level"
+        yield Complaint((*key, "tilt"), message)
 
 
 def _shared_outputs(station: Station) -> Iterator[Complaint]:

@@ -13,7 +13,7 @@ from gyrotest.specification.checked import Complaint, checked, related, unrelate
 from gyrotest.specification.parameters import section, section_or_raise
 from gyrotest.specification.reading import known_faults, raise_faults
 from gyrotest.specification.shapes import nearest
-from gyrotest.specification.slots import motion_complaints, slot_complaints
+from gyrotest.specification.slots import motion_complaints, shaft_complaints, slot_complaints
 from gyrotest.specification.yaml_document import read_yaml
 from gyrotest.specification.yaml_tree import KeyPath
 from gyrotest.units import Quantity
@@ -140,6 +140,8 @@ def _instrument_complaints(instrument: Instrument, key: KeyPath) -> Iterator[Com
         yield Complaint((*key, "io_timeout"), f"'{timeout}' is not more than zero")
     if instrument.motion is not None:
         yield from motion_complaints(instrument.motion, (*key, "motion"))
+    if instrument.shaft is not None:
+        yield from shaft_complaints(instrument.shaft, (*key, "shaft"))
     if instrument.accuracy is not None:
         yield from _accuracy_complaints(instrument.accuracy, (*key, "accuracy"))
 

@@ -107,3 +107,64 @@ def test_what_is_wrong_with_slots_and_motion_is_told_at_its_key(
     with pytest.raises(StationError) as refused:
         _station(tmp_path, old, new)
     assert told in str(refused.value)
+
+
+CARRIED = STATION.replace(
+    "channel: '101', table: table",
+    "channel: '101', encoder: {sine: ua, cosine: ub, lines: 9000}, frame: {x: z, y: x, z: y}",
+).replace("max_turns: 3}", "max_turns: 3}\n    shaft: {azimuth: 30 deg, tilt: -0.02 deg}")
+
+
+def test_a_slot_with_a_grating_and_a_stage_with_a_level_shaft_are_a_good_station(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "station.yaml").write_text(CARRIED)
+    station = load_station(tmp_path / "station.yaml").station
+    encoder = station.slots["a"].encoder
+    assert encoder is not None
+    assert (encoder.sine, encoder.cosine, encoder.lines) == ("ua", "ub", 9000)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("sine: ua, cosine: ub, lines: 9000", "", "slots.a.encoder: is empty; write e.g. {sine: ua,"),
+        ("cosine: ub, ", "", "slots.a.encoder: lacks cosine; write e.g. {sine: ua, cosine: ub,"),
+        (", lines: 9000", "", "slots.a.encoder: lacks lines"),
+        ("lines: 9000", "lines: 9000, angle: th", "encoder.angle: stands beside 'sine'"),
+        ("lines: 9000", "lines: 0", "encoder.lines: 0 lines are no grating"),
+        (
+            "lines: 9000",
+            "lines: 9000, accuracy: -1 arcsec",
+            "encoder.accuracy: '-1 arcsec' is less than",
+        ),
+        ("cosine: ub", "cosine: ua", "slots.a: channel 'ua' is named twice"),
+        ("sine: ua", "sine: '101'", "slots.a: channel '101' is named twice"),
+        (
+            "encoder: {",
+            "auxiliary: {encoder_sine: '7'}, encoder: {",
+            "auxiliary.encoder_sine: names that begin with 'encoder_' are the encoder's",
+        ),
+        ("y: x, z: y", "z: y", "slots.a.frame: a frame says where x, y and z lie, found x, z"),
+        ("x: z, y: x", "x: w, y: x", "slots.a.frame: 'w' is no axis of the stage"),
+        ("x: z, y: x", "x: x, y: x", "two axes lie along one"),
+        ("x: z, y: x", "x: -z, y: x", "they are left-handed"),
+        ("tilt: -0.02 deg", "tilt: 12 deg", "shaft.tilt: '12 deg' is more than 5 deg"),
+        ("azimuth: 30 deg", "azimuth: 400 deg", "shaft.azimuth: '400 deg' is not between"),
+        (
+            "tilt:",
+            "tilt_uncertainty: -1 deg, tilt:",
+            "shaft.tilt_uncertainty: '-1 deg' is less than zero",
+        ),
+        ("tilt:", "index_uncertainty: -1 deg, tilt:", "shaft.index_uncertainty: '-1 deg' is less"),
+        ("tilt:", "azimuth_uncertainty: -1 deg, tilt:", "shaft.azimuth_uncertainty: '-1 deg' is less"),
+    ],
+)
+def test_what_is_wrong_with_encoder_frame_and_shaft_is_told_at_its_key(
+    tmp_path: Path, old: str, new: str, told: str
+) -> None:
+    assert old in CARRIED
+    (tmp_path / "station.yaml").write_text(CARRIED.replace(old, new))
+    with pytest.raises(StationError) as refused:
+        load_station(tmp_path / "station.yaml")
+    assert told in str(refused.value)
