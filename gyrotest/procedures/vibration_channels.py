@@ -7,12 +7,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.analysis.ellipse import Ellipse
-from gyrotest.procedures.scaling import Scaling
+from gyrotest.analysis.encoder import AngleTrack, Decoder
+from gyrotest.analysis.skew import Aligner
+from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.scaling import Scaling, output_scaling
+from gyrotest.procedures.vibration_inspection import (
+    DwellTally,
+    inspected,
+    step_words,
+    stretches,
+)
+from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
-from gyrotest.records.recording import Dwell, SampleStream
+from gyrotest.records.recording import Dwell, SampleStream, Sampling
+from gyrotest.records.station import Encoder
+from gyrotest.units import conversion_factor
 
 ENCODER = "encoder_"
 """How the names of an encoder's channels begin: what a plan asks for beside the output."""
+
+CUT_OFF = 2.5
+"""The low-pass cut-off over the highest working frequency (S4.2)."""
+
+_OVERSAMPLED = 10.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,30 +55,121 @@ class VibrationChannels:
 
     stream: SampleStream
     context: Context
+    encoder: Encoder
     scaling: Scaling
     ellipse: Ellipse | None
+    tallies: tuple[DwellTally, ...]
+
+    @property
+    def sampling(self) -> Sampling:
+        """How the channels are sampled."""
+        return self.stream.sampling
 
     @property
     def interval_s(self) -> float:
         """Time from sample to sample, s."""
-        return self.stream.sampling.interval_s
+        return self.sampling.interval_s
 
     @property
     def rate_hz(self) -> float:
         """Sampling rate, Hz."""
         return 1.0 / self.interval_s
 
+    @property
+    def line_deg(self) -> float | None:
+        """Angle of a line of the grating, °; None where the encoder gives the angle itself."""
+        return None if self.encoder.lines is None else 360.0 / self.encoder.lines
+
     def pieces(self) -> Iterator[Piece]:
         """Give every dwell's samples in their order; may be called again.
 
-        Where samples are missing inside a dwell, a new stretch begins.
+        Where samples are missing inside a dwell, a new stretch begins. Of every stretch a few samples are
+        lost at either end where channels are skewed.
 
         Raises
         ------
         InsufficientDataError
-            The encoder is starved of samples, or lost its signal.
+            The encoder is starved of samples, lost its signal or leapt; the message names the dwell.
         """
-        raise NotImplementedError
+        reading = _Reading(self)
+        last = -1
+        for stretch in stretches(self.stream, self.context.dwells):
+            dwell = self.context.dwells[stretch.number]
+            try:
+                if stretch.begins:
+                    reading.check()
+                    last = stretch.number
+                    reading.begin(stretch.first)
+                piece = reading.piece(stretch.values, stretch.number, dwell)
+            except InsufficientDataError as error:
+                raise InsufficientDataError(
+                    f"{step_words(self.context.dwells[last])}: {error}"
+                ) from None
+            last = stretch.number
+            if piece.output.size:
+                yield piece
+        try:
+            reading.check()
+        except InsufficientDataError as error:
+            raise InsufficientDataError(f"{step_words(self.context.dwells[last])}: {error}") from None
+
+
+class _Reading:
+    """The state that goes on from block to block of a stretch."""
+
+    def __init__(self, channels: VibrationChannels) -> None:
+        self._scaling = channels.scaling
+        self._tracked = _tracked(channels)
+        self._aligner = Aligner(channels.sampling.offsets_s or (0.0,), channels.interval_s)
+        self._next = 0
+        self._begins = False
+
+    def begin(self, first: int) -> None:
+        """Begin a stretch."""
+        self._aligner.reset()
+        self._tracked.reset()
+        self._next, self._begins = first + self._aligner.lost, True
+
+    def check(self) -> None:
+        """Raise `InsufficientDataError` where the encoder failed in the stretch that ends."""
+        self._tracked.check()
+
+    def piece(self, values: NDArray[np.float64], number: int, dwell: Dwell) -> Piece:
+        """Return what is complete by now; may be empty."""
+        aligned = self._aligner.push(values)
+        piece = Piece(
+            number=number,
+            dwell=dwell,
+            first=self._next,
+            begins=self._begins,
+            output=self._scaling.outputs(aligned[:, 0]),
+            angle_deg=self._tracked.push(aligned),
+        )
+        self._next += aligned.shape[0]
+        self._begins = self._begins and not aligned.shape[0]
+        return piece
+
+
+class _Tracked:
+    """The encoder's columns, turned into an angle."""
+
+    def __init__(self, columns: tuple[int, ...], tracker: Decoder | AngleTrack, factor: float) -> None:
+        self._columns, self._tracker, self._factor = columns, tracker, factor
+
+    def push(self, aligned: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the angle (n,) of rows (n, columns), °."""
+        if isinstance(self._tracker, Decoder):
+            sine, cosine = (aligned[:, one] for one in self._columns)
+            return self._tracker.push(sine, cosine)
+        return self._tracker.push(aligned[:, self._columns[0]] * self._factor)
+
+    def reset(self) -> None:
+        """Begin a stretch."""
+        self._tracker.reset()
+
+    def check(self) -> None:
+        """Raise `InsufficientDataError` where the encoder failed."""
+        self._tracker.check()
 
 
 def vibration_channels(
@@ -78,4 +186,79 @@ def vibration_channels(
         filter, the output is clipped or stuck, samples are bad, some are missing and the case refuses
         gaps, the encoder's signals give no ellipse.
     """
-    raise NotImplementedError
+    encoder = _known_encoder(stream.sampling, context)
+    _refuse_asynchronous(stream.sampling, context)
+    _refuse_aliasing(stream.sampling, context, highest_hz)
+    if not context.dwells:
+        raise InsufficientDataError(f"{context.case_name}: the recording has no dwells")
+    scaling = output_scaling(context.output, stream.sampling.unit)
+    found = inspected(stream, context, scaling)
+    return VibrationChannels(
+        stream=stream,
+        context=context,
+        encoder=encoder,
+        scaling=scaling,
+        ellipse=found.ellipse,
+        tallies=found.tallies,
+    )
+
+
+def _tracked(channels: VibrationChannels) -> _Tracked:
+    encoder, columns = channels.encoder, channels.sampling.columns
+    if channels.ellipse is None or encoder.lines is None:
+        place = columns.index("encoder_angle")
+        unit = channels.sampling.auxiliary[place - len(channels.sampling.channels)].unit
+        track = AngleTrack(rate_hz=channels.rate_hz, reversed_=encoder.reversed)
+        return _Tracked((place,), track, conversion_factor(unit, "deg"))
+    decoder = Decoder(
+        channels.ellipse,
+        lines=encoder.lines,
+        rate_hz=channels.rate_hz,
+        reversed_=encoder.reversed,
+    )
+    return _Tracked((columns.index("encoder_sine"), columns.index("encoder_cosine")), decoder, 1.0)
+
+
+def _known_encoder(sampling: Sampling, context: Context) -> Encoder:
+    encoder, columns = context.encoder, set(sampling.columns)
+    signals = {"encoder_sine", "encoder_cosine"} <= columns
+    if encoder is None or not (signals or "encoder_angle" in columns):
+        raise InsufficientDataError(
+            f"{context.case_name}: nothing measures the angle of the table; give the slot an 'encoder' in the"
+            " station, e.g. {sine: ua, cosine: ub, lines: 9000}, of channels of the same source"
+        )
+    if signals and encoder.lines is None:
+        raise InsufficientDataError(
+            f"{context.case_name}: how many lines the grating has is not known; give the slot's 'encoder' its"
+            " 'lines'"
+        )
+    return encoder
+
+
+def _refuse_asynchronous(sampling: Sampling, context: Context) -> None:
+    if sampling.synchronous:
+        return
+    source = context.source
+    named = "the source" if source is None else f"{source.manufacturer} {source.model}".strip()
+    raise InsufficientDataError(
+        f"{context.case_name}: {named} does not sample its channels by one clock; a frequency response needs"
+        " output and encoder from one synchronous source: 28 µs between them is 1° at 100 Hz"
+    )
+
+
+def _refuse_aliasing(sampling: Sampling, context: Context, highest_hz: float) -> None:
+    """Refuse what nothing keeps from aliasing (S4.2)."""
+    rate_hz, needed_hz = 1.0 / sampling.interval_s, _OVERSAMPLED * CUT_OFF * highest_hz
+    if sampling.filter_hz is not None:
+        if sampling.filter_hz > rate_hz / 2.0:
+            raise InsufficientDataError(
+                f"{context.case_name}: its analogue filter of {plain(sampling.filter_hz, 5)} Hz lies above half"
+                f" the sampling rate of {plain(rate_hz, 6)} Hz and keeps nothing from aliasing"
+            )
+        return
+    if rate_hz < needed_hz * (1.0 - 1e-9):
+        raise InsufficientDataError(
+            f"{context.case_name}: sampled at {plain(rate_hz, 6)} Hz without a stated analogue filter; up to"
+            f" {plain(highest_hz, 4)} Hz that takes {plain(needed_hz, 6)} Hz (ten times the cut-off of"
+            f" {plain(CUT_OFF * highest_hz, 4)} Hz): sample faster, or state the filter in the station"
+        )
