@@ -191,19 +191,22 @@ def group_delay(curve: ResponseCurve, *, frequency_hz: float) -> Reading:
     return Reading(value=-slope / 360.0, uncertainty=float(curve.phase.uncertainty(rows)[0]) / 360.0)
 
 
-def flatness(curve: ResponseCurve, *, reference_hz: float) -> Reading:
+def flatness(curve: ResponseCurve, *, reference_hz: float, to_hz: float | None = None) -> Reading:
     """Return the highest less the lowest gain over the band, in % of that at a reference frequency.
+
+    Up to `to_hz` where it is given, else up to the end of the band.
 
     Noise makes it larger, never smaller: a curve that is flat to within its uncertainty is not seen to be.
 
     Raises
     ------
     InsufficientDataError
-        The reference lies outside of the band.
+        The reference, or the end, lies outside of the band.
     """
     reference = np.array([reference_hz])
-    curve.at(reference)
-    grid = np.linspace(curve.low_hz, curve.high_hz, _GRID)
+    end_hz = curve.high_hz if to_hz is None else to_hz
+    curve.at(np.array([reference_hz, end_hz]))
+    grid = np.linspace(curve.low_hz, min(end_hz, curve.high_hz), _GRID)
     relative = np.exp(curve.log_gain.value(grid) - curve.log_gain.value(reference))
     ends = np.array([np.argmax(relative), np.argmin(relative)])
     high, low = relative[ends]
