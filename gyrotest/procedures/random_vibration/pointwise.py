@@ -1,0 +1,85 @@
+"""Sensitivity and phase at a frequency: what the curve through all runs has there, with its budget."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.random_vibration.measured import MeasuredResponse
+from gyrotest.procedures.random_vibration.parameters import RandomVibrationParameters
+from gyrotest.procedures.random_vibration.uncertainty import gain_budget, phase_budget
+from gyrotest.procedures.uncertainty import budgeted_result
+from gyrotest.procedures.vibration_budget import missing_of_gain, missing_of_phase
+from gyrotest.procedures.vibration_names import (
+    SENSITIVITY_UNITS,
+    phase_label,
+    phase_name,
+    sensitivity_label,
+    sensitivity_name,
+)
+from gyrotest.procedures.wording import plain
+from gyrotest.records.plan import Context
+from gyrotest.records.result import Result
+from gyrotest.units import conversion_factor
+
+
+def sensitivity_result(measured: MeasuredResponse, frequency_hz: float, context: Context) -> Result:
+    """Return the sensitivity that the curve through all runs has at a frequency."""
+    name, label = sensitivity_name(frequency_hz), sensitivity_label(frequency_hz)
+    unit = SENSITIVITY_UNITS[context.output.kind]
+
+    def found() -> Result:
+        gain = float(measured.curve.at(np.array([frequency_hz])).gain[0])
+        value = gain * scale_in(measured, unit)
+        return budgeted_result(
+            gain_budget(measured, frequency_hz, context, value=value, unit=unit),
+            name=name,
+            label=label,
+            value=value,
+            unit=unit,
+            condition=_curve_words(measured, context),
+            not_included=missing_of_gain(context),
+        )
+
+    return evaluated(found, name, label, unit)
+
+
+def phase_result(measured: MeasuredResponse, frequency_hz: float, context: Context) -> Result:
+    """Return the phase that the curve through all runs has at a frequency, a lag negative."""
+    name, label = phase_name(frequency_hz), phase_label(frequency_hz)
+
+    def found() -> Result:
+        return budgeted_result(
+            phase_budget(measured, frequency_hz),
+            name=name,
+            label=label,
+            value=float(measured.curve.at(np.array([frequency_hz])).phase_deg[0]),
+            unit="deg",
+            condition=_curve_words(measured, context),
+            not_included=missing_of_phase(measured.sampling),
+        )
+
+    return evaluated(found, name, label, "deg")
+
+
+def scale_in(measured: MeasuredResponse, unit: str) -> float:
+    """Return what a gain of 1 is as a sensitivity in a unit."""
+    canonical = "" if measured.scaling.unit == "deg/s" else f"{measured.scaling.unit}*s/deg"
+    return measured.scale * conversion_factor(canonical, unit)
+
+
+def _curve_words(measured: MeasuredResponse, context: Context) -> str:
+    parameters: RandomVibrationParameters = context.parameters
+    runs = len(measured.runs)
+    return (
+        f"{runs} run{'s' * (runs > 1)}, {measured.segments} segments; polynomial of degree"
+        f" {parameters.degree} over {plain(measured.curve.low_hz, 6)} … {plain(measured.curve.high_hz, 6)} Hz"
+    )
+
+
+def evaluated(found: Callable[[], Result], name: str, label: str, unit: str) -> Result:
+    """Return a result; where it cannot be had, one without a value that says why."""
+    try:
+        return found()
+    except InsufficientDataError as error:
+        return Result(name=name, label=label, value=None, unit=unit, condition=str(error))
