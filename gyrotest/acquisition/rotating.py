@@ -251,3 +251,34 @@ class StageDrive:
                 f"{self._name}: stands at {angle_deg:.3f}°, {pointing.position_deg:g}° is demanded,"
                 f" ±{pointing.tolerance_deg:g}° is accepted; look at its interlocks, its load and its balance"
             )
+
+
+class RotationRecorded:
+    """What is played back was turned when it was recorded: nothing is moved."""
+
+    def __init__(self) -> None:
+        self._now: Rotating | Pointing | None = None
+
+    def reach(self, stimulus: Rotating | Pointing, *, sampled_s: float) -> None:  # noqa: ARG002 - recorded
+        """Nothing to do."""
+        self._now = stimulus
+
+    def watch(self) -> None:
+        """Nothing to look at."""
+
+    def allow_pause(self, pause_s: float) -> None:
+        """Nothing that could come too far."""
+
+    def leave(self) -> None:
+        """Nothing to stop."""
+
+    def read_back(self) -> ReadBack:
+        """What the step asked for; nothing was read back."""
+        if isinstance(self._now, Rotating):
+            return ReadBack(demanded_rate_dps=self._now.rate_dps)
+        if isinstance(self._now, Pointing):
+            return ReadBack(demanded_position_deg=self._now.position_deg)
+        return ReadBack()
+
+    def rest(self) -> None:
+        """Nothing to stop."""

@@ -159,10 +159,10 @@ class Stimulation:
 
     def rest(self) -> None:
         """Leave everything at rest; never raises."""
-        if self.table is not None:
-            self.table.rest()
         if self.stage is not None:
             self.stage.rest()
+        if self.table is not None:
+            self.table.rest()
         if self.vibration is not None:
             self.vibration.rest()
 

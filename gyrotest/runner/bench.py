@@ -5,11 +5,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from gyrotest.acquisition.stimulation import Stimulation, Vibrates
+from gyrotest.acquisition.stimulation import Rotates, Stimulation, Vibrates
 from gyrotest.clock import RealClock
 from gyrotest.errors import RefusedError
 from gyrotest.ports import Clock, DigitalGyro, Playback, Source
-from gyrotest.records.plan import Plan
+from gyrotest.records.plan import Plan, Turning
 from gyrotest.records.run import InstrumentUse, PlannedItem
 from gyrotest.records.spec import Case, Spec
 from gyrotest.records.station import Accuracy, Motion, Slot, Station
@@ -19,6 +19,7 @@ from gyrotest.runner.places import slots_of
 
 if TYPE_CHECKING:
     from gyrotest.acquisition.power import Power
+    from gyrotest.acquisition.rotating import StageDrive
     from gyrotest.acquisition.soaking import ChamberDrive
     from gyrotest.acquisition.turning import TableDrive
     from gyrotest.acquisition.vibrating import VibrationTable
@@ -60,6 +61,7 @@ class Bench:
         self._powered_on_s: dict[str, float] = {}
         self._sources: dict[tuple[str, str], OpenSource] = {}
         self._tables: dict[str, TableDrive] = {}
+        self._stages: dict[str, StageDrive] = {}
         self._chambers: dict[str, ChamberDrive] = {}
         self._vibrations: dict[str, VibrationTable] = {}
         self._supplies: dict[tuple[str, int], Power] = {}
@@ -171,8 +173,10 @@ class Bench:
         `by_hand` is the vibration where the slot has nothing that drives it.
         """
         place = self.station.slots[slot]
+        turns_freely = any(isinstance(step.stimulus, Turning) for step in plan.steps)
         return Stimulation(
-            table=self._table(place) if plan.turns else None,
+            table=self._table(place) if turns_freely else None,
+            stage=self._stage(place, source) if plan.rotates else None,
             chamber=self._chamber(place) if plan.soaks else None,
             vibration=self._vibration(place, source, by_hand) if plan.vibrates else None,
             interval_s=plan.interval_s,
@@ -182,17 +186,32 @@ class Bench:
         name = place.table
         if name is None:
             return None
-        from gyrotest.acquisition.turning import TableDrive
-
         if name not in self._tables:
-            motion = self._motion(name)
-            table = self._drivers.table(name, motion)
-            self._open(name, table)
-            self._tables[name] = TableDrive(
-                table, clock=self.clock, motion=motion, name=self._resource(name)
-            )
+            self._tables[name] = self._opened_table(name)
         self._tables[name].take_up()
         return self._tables[name]
+
+    def _opened_table(self, name: str) -> "TableDrive":
+        """A table, opened; one with a level shaft is a stage as well."""
+        from gyrotest.acquisition.rotating import StageDrive
+        from gyrotest.acquisition.turning import TableDrive
+
+        motion = self._motion(name)
+        table = self._drivers.table(name, motion)
+        self._open(name, table)
+        who = self._resource(name)
+        if self.station.instruments[name].shaft is None:
+            return TableDrive(table, clock=self.clock, motion=motion, name=who)
+        self._stages[name] = StageDrive(table, clock=self.clock, motion=motion, name=who)
+        return self._stages[name].turning
+
+    def _stage(self, place: Slot, source: Source) -> Rotates | None:
+        from gyrotest.acquisition.rotating import RotationRecorded
+
+        if isinstance(source, Playback):
+            return RotationRecorded()
+        self._table(place)
+        return self._stages.get(place.table or "")
 
     def _vibration(self, place: Slot, source: Source, by_hand: Vibrates | None) -> Vibrates | None:
         from gyrotest.acquisition.vibrating import VibrationRecorded, VibrationTable
@@ -284,7 +303,7 @@ class Bench:
             opened.source.close()
         self._safe.close()
         self._sources, self._tables, self._supplies, self._chambers = {}, {}, {}, {}
-        self._vibrations = {}
+        self._vibrations, self._stages = {}, {}
         if self._simulated:
             self._simulated.close()
 

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 from gyrotest.errors import RefusedError
 from gyrotest.ports import Playback, SyncDaq
-from gyrotest.records.plan import Plan
+from gyrotest.records.plan import Plan, Rotating
 from gyrotest.records.spec import Spec
-from gyrotest.records.station import Slot, Station
+from gyrotest.records.station import Instrument, Slot, Station
 from gyrotest.registry import INSTRUMENTS, load
 from gyrotest.runner.items import planned_case
 from gyrotest.runner.places import slots_of
@@ -33,7 +33,9 @@ def check_fitness(spec: Spec, station: Station) -> None:
 
 
 def _plan_faults(plan: Plan, station: Station, name: str, slot: Slot) -> Iterator[str]:
-    if plan.turns:
+    if plan.rotates:
+        yield from _rotating_faults(plan, station, name, slot)
+    elif plan.turns:
         yield from _turning_faults(plan, station, name, slot)
     if plan.soaks and slot.chamber is None:
         yield (
@@ -53,14 +55,64 @@ def _turning_faults(plan: Plan, station: Station, name: str, slot: Slot) -> Iter
         return
     motion = station.instruments[slot.table].motion
     if motion is None:
-        yield (
-            f"instrument '{slot.table}' has no 'motion': state how fast and how far it may turn, e.g."
-            " {max_rate: 200 deg/s, max_acceleration: 100 deg/s/s, slip_ring: true}"
-        )
+        yield _no_motion(slot.table, "slip_ring: true")
         return
     from gyrotest.acquisition.turning import motion_faults
 
     yield from motion_faults(plan, motion)
+
+
+def _rotating_faults(plan: Plan, station: Station, name: str, slot: Slot) -> Iterator[str]:
+    place = f"slot '{name}' of station '{station.name}'"
+    if slot.table is None:
+        yield (
+            f"turns the unit in gravity on a stage with a level shaft, and {place} names none; give the slot a"
+            " 'table' that has a 'shaft', or choose another station by --gyro-station"
+        )
+    else:
+        yield from _shaft_faults(station.instruments[slot.table], slot.table)
+    if station.site is None:
+        yield (
+            f"needs the Earth's rate and gravity, and station '{station.name}' does not say where it stands; give"
+            " it a 'site', e.g. {latitude: 48.1 deg}"
+        )
+    if slot.encoder is None and any(isinstance(step.stimulus, Rotating) for step in plan.steps):
+        yield (
+            f"reads the stage's angle beside the gyro, and {place} has no encoder; give it an 'encoder', e.g."
+            " {angle: angle}"
+        )
+    motion = station.instruments[slot.table].motion if slot.table is not None else None
+    if motion is None:
+        if slot.table is not None:
+            yield _no_motion(slot.table, "max_turns: 1")
+        return
+    from gyrotest.acquisition.rotation_limits import rotation_faults
+    from gyrotest.acquisition.turning import motion_faults
+
+    yield from motion_faults(plan, motion)
+    yield from rotation_faults(plan, motion)
+
+
+def _shaft_faults(stage: Instrument, name: str) -> Iterator[str]:
+    """What is not said of a stage's shaft and must be known."""
+    if stage.shaft is None:
+        yield (
+            f"turns the unit in gravity on a level shaft, and instrument '{name}' has no 'shaft'; state how it"
+            " lies, e.g. {azimuth: 37 deg, azimuth_uncertainty: 1 deg}, or choose another station by"
+            " --gyro-station"
+        )
+    elif stage.shaft.azimuth is None:
+        yield (
+            f"needs the Earth's rate along what turns, and the shaft of instrument '{name}' has no 'azimuth';"
+            " state where the stage's x axis points at angle 0, clockwise from true north, e.g. azimuth: 37 deg"
+        )
+
+
+def _no_motion(table: str, turns: str) -> str:
+    return (
+        f"instrument '{table}' has no 'motion': state how fast and how far it may turn, e.g."
+        f" {{max_rate: 200 deg/s, max_acceleration: 100 deg/s/s, {turns}}}"
+    )
 
 
 def _vibrating_faults(plan: Plan, station: Station, name: str, slot: Slot) -> Iterator[str]:
