@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from gyrotest.simulation.peer import Turning
 
 _SETTLED_S = 0.5
-# So many knots before the last ones are kept: a channel may be sampled a little early.
-_KEPT = 8
+# A rate table's motion is slow.
+_CARRIED_HZ = 500.0
+KEPT = 8
+"""So many knots before the last ones are kept: a channel may be sampled a little early."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,6 +38,9 @@ class Motion(Protocol):
     def settling_s(self) -> float:
         """So long a motion goes on after what drives it."""
 
+    def knots_hz(self, *, damped: bool) -> float:
+        """How many knots a second it needs at least, where all that follow it are damped or not."""
+
     def begin(self, first: int, *, origin_s: float, interval_s: float) -> None:
         """Knots from the time `origin_s + first · interval_s` on come next."""
 
@@ -48,6 +53,10 @@ class Resting:
 
     late_s = 0.0
     settling_s = _SETTLED_S
+
+    def knots_hz(self, *, damped: bool) -> float:  # noqa: ARG002 - nothing to follow
+        """As many as there are samples."""
+        return 0.0
 
     def begin(self, first: int, *, origin_s: float, interval_s: float) -> None:
         """Nothing to prepare."""
@@ -73,6 +82,10 @@ class Carried:
         """Half an interval."""
         return 0.5 * self._interval_s
 
+    def knots_hz(self, *, damped: bool) -> float:  # noqa: ARG002 - slow in either case
+        """Few: the angle itself is exact at each."""
+        return _CARRIED_HZ
+
     def begin(self, first: int, *, origin_s: float, interval_s: float) -> None:
         """Knots from the time `origin_s + first · interval_s` on come next."""
         self._origin_s, self._interval_s, self._next = origin_s, interval_s, first
@@ -94,7 +107,7 @@ class Carried:
 class Kept:
     """Values at consecutive knots, of which the last ones are kept."""
 
-    def __init__(self, first: int, kept: int = _KEPT) -> None:
+    def __init__(self, first: int, kept: int = KEPT) -> None:
         self._first = first
         self._kept = kept
         self._values: NDArray[np.float64] = np.empty(0)

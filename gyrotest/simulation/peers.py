@@ -25,6 +25,7 @@ _CLASSES = {
     "daq973a": "gyrotest.simulation.scanner_peer:ScannerPeer",
     "scpi_supply": "gyrotest.simulation.supply_peer:SupplyPeer",
     "33500b": "gyrotest.simulation.generator_peer:GeneratorPeer",
+    "sync_stream": "gyrotest.simulation.daq_peer:DaqPeer",
     "scpi_chamber": "gyrotest.simulation.chamber_peer:ChamberPeer",
 }
 _SIMULATED = "simulated"

@@ -32,6 +32,10 @@ class Misbehaviour(Enum):
     CHANNEL_ERROR = auto()
     OTHER_DEVICE = auto()
     OTHER_CONFIGURATION = auto()
+    LOST_SAMPLES = auto()
+    BAD_BLOCK = auto()
+    LOST_CONNECTION = auto()
+    ENCODER_DARK = auto()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,6 +159,26 @@ _ALL = (
         "other-configuration",
         Misbehaviour.OTHER_CONFIGURATION,
         "a digital gyro is set to another output unit",
+    ),
+    Scenario(
+        name="daq-overrun",
+        description="a synchronous source cannot keep up for a moment: it says that samples were lost",
+        strikes=(Strike(misbehaviour=Misbehaviour.LOST_SAMPLES, at=0.4),),
+    ),
+    Scenario(
+        name="daq-bad-block",
+        description="one block of a synchronous source is damaged on its way",
+        strikes=(Strike(misbehaviour=Misbehaviour.BAD_BLOCK, at=0.4),),
+    ),
+    Scenario(
+        name="daq-lost",
+        description="a synchronous source breaks the connection once and accepts a new one",
+        strikes=(Strike(misbehaviour=Misbehaviour.LOST_CONNECTION, at=0.4),),
+    ),
+    Scenario(
+        name="encoder-lost",
+        description="for a while the encoder gives no signal",
+        strikes=(Strike(misbehaviour=Misbehaviour.ENCODER_DARK, at=0.4, until=0.45),),
     ),
     _standing(
         "table-does-not-reach-rate", Misbehaviour.TABLE_SLOW, "the table stays below the rate asked for"

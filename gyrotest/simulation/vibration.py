@@ -25,6 +25,7 @@ TABLE_FIGURES: Mapping[str, Figure] = {
 _SENSITIVITY = "20 deg/s/V"
 # What was before so many e-foldings of the slowest part is no longer seen.
 _FORGOTTEN = 22.0
+_KNOTS_HZ, _UNDAMPED_KNOTS_HZ = 8e3, 20e3
 _BUTTERWORTH = math.sqrt(0.5)
 
 
@@ -78,6 +79,10 @@ class Shaken:
     def settling_s(self) -> float:
         """So long the table swings on."""
         return self._table.settling_s
+
+    def knots_hz(self, *, damped: bool) -> float:
+        """So many that the images of 100 Hz at them are below 0.01 %; what is damped does not see them."""
+        return _KNOTS_HZ if damped else _UNDAMPED_KNOTS_HZ
 
     def begin(self, first: int, *, origin_s: float, interval_s: float) -> None:
         """Knots from the time `origin_s + first · interval_s` on come next; the table rests before."""
