@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
 from gyrotest.errors import InstrumentError, InstrumentIdentityError, RecordingError, UnitError
-from gyrotest.instruments.replay_columns import PlayedColumns, played_columns
+from gyrotest.instruments.replay_columns import PlayedColumns, played_columns, uniform
 from gyrotest.instruments.replay_settings import ReplaySettings
 from gyrotest.ports import Clock
 from gyrotest.recordings.digest import sha256_of
@@ -17,9 +18,10 @@ from gyrotest.recordings.formats.detect import Format, detect
 from gyrotest.recordings.reader import read_header
 from gyrotest.recordings.regroup import Averages, Placed, consecutive
 from gyrotest.recordings.stamps import described
+from gyrotest.records.bench import DaqChannel
 from gyrotest.records.recording import Block, Identity, Sampling
 from gyrotest.records.station import Accuracy
-from gyrotest.units import same_dimension
+from gyrotest.units import Quantity, same_dimension
 
 # How far the case's interval may be from a whole number of the file's.
 _INTERVALS_AGREE = 1e-3
@@ -53,6 +55,7 @@ class Replay:
         self._file: ForeignFile | None = None
         self._source_sampling: Sampling | None = None
         self._columns: PlayedColumns | None = None
+        self._wanted: tuple[str, ...] = ()
         self._averages = Averages(1)
         self._size = 1
         self._runs: Iterator[Placed] = iter(())
@@ -78,6 +81,14 @@ class Replay:
             )
         return identity
 
+    def channels(self) -> tuple[DaqChannel, ...]:
+        """The columns that are played."""
+        return self._opened_columns().as_channels()
+
+    def select(self, outputs: tuple[str, ...], auxiliary: tuple[str, ...]) -> None:
+        """Say which columns are wanted; all that the settings choose are played, in any case."""
+        self._wanted = (*outputs, *auxiliary)
+
     def configure(self, interval_s: float) -> Sampling:
         """Take the file's own interval, or average a whole number of its samples."""
         sampling = self._sampling()
@@ -87,17 +98,19 @@ class Replay:
                 f"{self._path}: has a sample every {sampling.interval_s:.9g} s, which the case's interval of "
                 f"{interval_s:.9g} s is no whole multiple of; the shortest is {sampling.interval_s:.6g} s"
             )
+        self._refuse_names()
+        angles = self._opened_columns().angles
+        if size > 1 and angles:
+            raise InstrumentError(
+                f"{self._path}: '{angles[0]}' is an angle, and the mean of {size} rows of it means nothing where"
+                f" it passes 360°; set the case's interval to {sampling.interval_s:.9g} s"
+            )
         self._size = size
-        return Sampling(
+        return replace(
+            sampling,
             interval_s=size * sampling.interval_s,
-            aperture_s=sampling.aperture_s,
             readings=size * sampling.readings,
-            unit=sampling.unit,
-            channels=sampling.channels,
-            auxiliary=sampling.auxiliary,
-            offsets_s=sampling.offsets_s,
             noise=None if sampling.noise is None else sampling.noise / math.sqrt(size),
-            range=sampling.range,
         )
 
     def cue(self, position_s: float) -> None:
@@ -204,9 +217,8 @@ class Replay:
 
     def _sampling(self) -> Sampling:
         """How the file itself was sampled, in the unit that is given out."""
-        interval_s, own, columns = self._opened_file().interval_s, self._source_sampling, self._columns
-        if columns is None:
-            raise InstrumentError(f"{self._path}: the file is not opened yet")
+        file, own, columns = self._opened_file(), self._source_sampling, self._opened_columns()
+        interval_s, settings = file.interval_s, self._settings
         factor = abs(columns.factors[0])
         noise = self._noise(columns.unit)
         if own is not None:
@@ -221,7 +233,25 @@ class Replay:
             offsets_s=columns.offsets_s,
             noise=noise,
             range=None if own is None or own.range is None else own.range * factor,
+            synchronous=columns.one_instant and uniform(file.stamps),
+            skew_uncertainty_s=_stated(
+                settings.skew_uncertainty, "s", own.skew_uncertainty_s if own else None
+            ),
+            filter_hz=_stated(settings.filter, "Hz", own.filter_hz if own else None),
         )
+
+    def _refuse_names(self) -> None:
+        """Refuse names that no column plays under, of the slot and of the settings."""
+        complaint = self._opened_columns().complaint((*self._wanted, *self._settings.skew))
+        if complaint is not None:
+            raise InstrumentError(
+                f"{self._path}: {complaint}; correct the slot or 'columns' and 'auxiliary'"
+            )
+
+    def _opened_columns(self) -> PlayedColumns:
+        if self._columns is None:
+            raise InstrumentError(f"{self._path}: the file is not opened yet")
+        return self._columns
 
     def _noise(self, unit: str) -> float | None:
         noise = self._accuracy.noise if self._accuracy else None
@@ -231,3 +261,8 @@ class Replay:
         if self._file is None:
             raise InstrumentError(f"{self._path}: the file is not opened yet")
         return self._file
+
+
+def _stated(stated: Quantity | None, unit: str, recorded: float | None) -> float | None:
+    """What the station states, or else what the recording says of itself."""
+    return recorded if stated is None else stated.to(unit)

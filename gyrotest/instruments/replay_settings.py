@@ -18,6 +18,7 @@ _SAMPLE = "sample"
 _NAME = re.compile("[A-Za-z][A-Za-z0-9_]{0,31}")
 # Columns that every recording has.
 _TAKEN = frozenset({"index", "time_s", "flags"})
+_Time = Annotated[Quantity, OfDimension(Dimension.TIME)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,6 +117,23 @@ class ReplaySettings:
     rewind: Annotated[
         bool, Described("Every acquisition begins anew; else it goes on after the one before.")
     ] = False
+    skew: Annotated[
+        Mapping[str, _Time],
+        Described(
+            "How much later than the row's instant a column was sampled, by the name it plays under.",
+            "{ua: 28 us, ub: 56 us}",
+        ),
+    ] = field(default_factory=dict)
+    skew_uncertainty: Annotated[
+        Quantity | None,
+        OfDimension(Dimension.TIME),
+        Described("Half-width of the error of the times between the columns.", "0.1 us"),
+    ] = None
+    filter: Annotated[
+        Quantity | None,
+        OfDimension(Dimension.FREQUENCY),
+        Described("Cut-off of the analogue low-pass that was in front of the converter.", "4 kHz"),
+    ] = None
 
     def __post_init__(self) -> None:
         _check_scale(self.scale)
@@ -131,6 +149,15 @@ class ReplaySettings:
             raise ValueError("time_unit 'sample' needs 'sample_rate'")
         self._check_units()
         self._check_names()
+        self._check_timing()
+
+    def _check_timing(self) -> None:
+        if self.skew_uncertainty is not None and self.skew_uncertainty.value < 0.0:
+            raise ValueError(
+                f"skew_uncertainty {self.skew_uncertainty} is a half-width and cannot be negative"
+            )
+        if self.filter is not None and not self.filter.value > 0.0:
+            raise ValueError(f"filter {self.filter} is not more than zero; write e.g. '4 kHz'")
 
     def _check_names(self) -> None:
         if self.column is not None and self.columns:

@@ -40,6 +40,8 @@ _IO_TIMEOUT_S = 5.0
 _READ_S = 1.0
 _READ_BYTES = 131_072
 _WORD = 4
+# By the protocol no sample is held back for longer.
+_HELD_BACK_S = 0.1
 # How often it is looked for the first samples after an external trigger.
 _TRIGGER_STEP_S = 0.1
 
@@ -220,7 +222,7 @@ class SyncStream:
         most = max(1, min(int(_READ_S * now.rate_hz), _READ_BYTES // row))
         end = min(assembly.position + most, assembly.end)
         due = end - assembly.position
-        return self._link.packets(grid.deadline_s(end), HEADER.size + due * row)
+        return self._link.packets(grid.deadline_s(end) + _HELD_BACK_S, HEADER.size + due * row)
 
     def _first_packets(self, now: Acquiring) -> list[Packet]:
         timeout_s = self._settings.trigger_timeout.to("s")
