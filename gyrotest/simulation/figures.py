@@ -12,12 +12,16 @@ from gyrotest.units import Dimension, parse_quantity
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """A quantity that may be given: its dimension (canonical unit), default and sign."""
+    """A quantity that may be given: its dimension (canonical unit), default and sign.
+
+    `pure`: a ratio that everybody writes as a number, `0.7`.
+    """
 
     dimension: Dimension
     default: str
     positive: bool = False
     signed: bool = False
+    pure: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,7 +44,7 @@ def figures_of(
     values: dict[str, float] = {}
     for name, key in keys.items():
         try:
-            value = parse_quantity(given.get(name, key.default), key.dimension).to(key.dimension)
+            value = parse_quantity(_text(given, name, key), key.dimension).to(key.dimension)
         except UnitError as error:
             faults.append(fault(f"{prefix}.{name}", str(error)))
             continue
@@ -49,6 +53,13 @@ def figures_of(
             faults.append(fault(f"{prefix}.{name}", f"'{given.get(name)}' must be {least}"))
         values[name] = value
     return Figures(values=values, faults=faults)
+
+
+def _text(given: Mapping[str, Any], name: str, key: Figure) -> Any:
+    value = given.get(name, key.default)
+    if key.pure and isinstance(value, int | float) and not isinstance(value, bool):
+        return f"{100.0 * value!r} %"
+    return value
 
 
 def given_figures(station: Station, name: str) -> dict[str, Any]:

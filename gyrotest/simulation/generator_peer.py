@@ -18,6 +18,7 @@ from gyrotest.simulation.occasion import Occasion
 from gyrotest.simulation.peer import Making
 from gyrotest.simulation.scenarios import Misbehaviour
 from gyrotest.simulation.streams import generator
+from gyrotest.simulation.vibration import TABLE_FIGURES
 from gyrotest.units import Dimension
 
 _FIGURES = {"gain_error": Figure(Dimension.NUMBER, "1 %")}
@@ -112,7 +113,7 @@ class _Dialogue:
 
 def _figures(station: Station, name: str) -> Figures:
     given = given_figures(station, name)
-    return figures_of(given, _FIGURES, f"simulation.instruments.{name}", also=("model",))
+    return figures_of(given, _FIGURES, f"simulation.instruments.{name}", also=("model", *TABLE_FIGURES))
 
 
 def _load_ohm(instrument: Instrument) -> float:

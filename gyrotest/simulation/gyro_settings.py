@@ -34,7 +34,7 @@ _FIGURES = {
     "temperature_sensitivity": Figure(Dimension.RATE_PER_TEMPERATURE, "0 deg/s/degC"),
     "scale_factor_temperature_sensitivity": Figure(Dimension.RATIO_PER_TEMPERATURE, "0 ppm/degC"),
     "clock_error": Figure(Dimension.NUMBER, "0 ppm", signed=True),
-    "damping": Figure(Dimension.NUMBER, "0 %"),
+    "damping": Figure(Dimension.NUMBER, "0 %", pure=True),
     "bandwidth_error": Figure(Dimension.NUMBER, "0 %"),
     "delay": Figure(Dimension.TIME, "0 s"),
     "g_sensitivity": Figure(Dimension.RATE_PER_ACCELERATION, "0 deg/s/g"),

@@ -19,7 +19,7 @@ from gyrotest.units import Dimension, parse_quantity
 TABLE_FIGURES: Mapping[str, Figure] = {
     "low_edge": Figure(Dimension.FREQUENCY, "2 Hz", positive=True),
     "resonance": Figure(Dimension.FREQUENCY, "250 Hz", positive=True),
-    "resonance_damping": Figure(Dimension.NUMBER, "20 %", positive=True),
+    "resonance_damping": Figure(Dimension.NUMBER, "20 %", positive=True, pure=True),
 }
 """What `simulation.instruments` may say of the table behind a drive, beside the drive's own figures."""
 _SENSITIVITY = "20 deg/s/V"
