@@ -12,7 +12,7 @@ from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.random_vibration.measured import MeasuredResponse
 from gyrotest.procedures.random_vibration.parameters import RandomVibrationParameters
 from gyrotest.procedures.random_vibration.pointwise import phase_result, scale_in, sensitivity_result
-from gyrotest.procedures.random_vibration.stretches import stretches_of, thinned
+from gyrotest.procedures.random_vibration.stretches import log_bins, stretches_of
 from gyrotest.procedures.vibration_names import SENSITIVITY_UNITS, phase_name, sensitivity_name
 from gyrotest.procedures.wording import plain
 from gyrotest.records.figure import Band, Curve, Figure, Mark, Panel, Role, Scale
@@ -23,6 +23,7 @@ from gyrotest.units import printed_unit
 
 _POINTS, _LINES = 161, 240
 _BESIDE = 1.06  # how far a limit at a frequency is drawn to either side of it
+_BEYOND = 0.2
 _DB = 20.0 / math.log(10.0)
 _THREE_DB = -3.0103
 _NEAR_QUARTER = -60.0
@@ -72,6 +73,7 @@ def _gain_panel(
     level = _DB * np.log(points.gain / reference)
     half = _DB * NORMAL_95 * points.gain_uncertainty / points.gain
     lines = _DB * np.log(measured.response.gain / reference)
+    marks = tuple(_three_db_mark(measured, context))
     return Panel(
         y_label="Sensitivity / dB",
         x_scale=Scale.LOG,
@@ -80,10 +82,10 @@ def _gain_panel(
         curves=(
             *_estimates(measured, lines),
             Curve(x=_drawn(points.frequency_hz), y=_drawn(level), role=Role.MODEL),
-            _level(measured, _THREE_DB),
+            _level(measured, _THREE_DB, label="" if marks else f"{_MINUS}3 dB"),
             *_gain_limits(zero_db, context),
         ),
-        marks=tuple(_three_db_mark(measured, context)),
+        marks=marks,
     )
 
 
@@ -119,8 +121,16 @@ def _estimates(measured: MeasuredResponse, values: _Array) -> Iterator[Curve]:
             there = np.isin(frequency_hz, stretch)
             if role is Role.FLOOR:
                 there = _widened(there)
-            x, y = thinned(frequency_hz[there], _LINES), thinned(values[there], _LINES)
-            yield Curve(x=_drawn(x), y=_drawn(y), role=role)
+            bins = log_bins(frequency_hz[there], _LINES)
+            y = np.clip(bins.means(values[there]), *_frame(values[~out]))
+            yield Curve(x=_drawn(bins.frequency_hz), y=_drawn(y), role=role)
+
+
+def _frame(values: _Array) -> tuple[float, float]:
+    """Return how far a panel reaches: what is left out must not press the rest together."""
+    low, high = float(values.min()), float(values.max())
+    margin = _BEYOND * (high - low)
+    return low - margin, high + margin
 
 
 def _widened(there: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -131,8 +141,9 @@ def _widened(there: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return wide
 
 
-def _level(measured: MeasuredResponse, value: float) -> Curve:
-    return Curve(x=(measured.curve.low_hz, measured.curve.high_hz), y=(value, value), role=Role.GUIDE)
+def _level(measured: MeasuredResponse, value: float, *, label: str = "") -> Curve:
+    ends = (measured.curve.low_hz, measured.curve.high_hz)
+    return Curve(x=ends, y=(value, value), role=Role.GUIDE, label=label)
 
 
 def _gain_limits(zero_db: float, context: Context) -> Iterator[Curve]:

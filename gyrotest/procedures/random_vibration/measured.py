@@ -7,14 +7,14 @@ import numpy as np
 
 from gyrotest.analysis.cross_spectra import CrossSpectra, Spectra, pooled
 from gyrotest.analysis.frequency_response import Response, h1, h2, hv
-from gyrotest.analysis.lowpass import Lowpass, require_no_aliasing
+from gyrotest.analysis.lowpass import Lowpass
 from gyrotest.analysis.noise_ratio import NoiseRatio, noise_ratio
 from gyrotest.analysis.response_curve import ResponseCurve, fit_response
 from gyrotest.analysis.response_repeatability import ResponseRepeatability, response_repeatability
 from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.random_vibration.parameters import RandomVibrationParameters
 from gyrotest.procedures.scaling import Scaling
-from gyrotest.procedures.vibration_channels import VibrationChannels, vibration_channels
+from gyrotest.procedures.vibration_channels import CUT_OFF, VibrationChannels, vibration_channels
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import SampleStream, Sampling
 
@@ -51,8 +51,8 @@ class MeasuredResponse:
 def measured_response(stream: SampleStream, context: Context) -> MeasuredResponse:
     """Reduce a recording block by block; raises `InsufficientDataError`."""
     parameters: RandomVibrationParameters = context.parameters
-    _refuse_aliasing(stream.sampling, parameters)
-    channels = vibration_channels(stream, context, highest_hz=parameters.high_hz)
+    _refuse_cutoff(stream.sampling, parameters)
+    channels = vibration_channels(stream, context, highest_hz=parameters.cutoff_hz / CUT_OFF)
     rest, *runs = _spectra(channels, parameters)
     inverted = _is_inverted(runs, parameters)
     upright = tuple(_turned(one) for one in runs) if inverted else tuple(runs)
@@ -91,14 +91,13 @@ def _curve(response: Response, parameters: RandomVibrationParameters) -> Respons
     return fit_response(response, degree=parameters.degree, coherence_floor=parameters.coherence_floor)
 
 
-def _refuse_aliasing(sampling: Sampling, parameters: RandomVibrationParameters) -> None:
+def _refuse_cutoff(sampling: Sampling, parameters: RandomVibrationParameters) -> None:
     rate_hz, cutoff_hz = 1.0 / sampling.interval_s, parameters.cutoff_hz
     if cutoff_hz >= rate_hz / 2.0:
         raise InsufficientDataError(
             f"sampled at {rate_hz:g} Hz, and the low-pass is {cutoff_hz:g} Hz; it must lie below half of the"
             f" sampling rate: sample at {10.0 * cutoff_hz:g} Hz"
         )
-    require_no_aliasing(rate_hz=rate_hz, cutoff_hz=cutoff_hz, analogue_hz=sampling.filter_hz)
 
 
 def _spectra(channels: VibrationChannels, parameters: RandomVibrationParameters) -> list[Spectra]:

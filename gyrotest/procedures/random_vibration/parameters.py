@@ -5,6 +5,7 @@ from enum import StrEnum
 from typing import Annotated, ClassVar
 
 from gyrotest.analysis.cross_spectra import PERIODS
+from gyrotest.procedures.vibration_channels import CUT_OFF
 from gyrotest.records.described import Described
 from gyrotest.records.plan import Excitation, Vibrating
 from gyrotest.units import Dimension, OfDimension, Quantity
@@ -12,7 +13,6 @@ from gyrotest.units import Dimension, OfDimension, Quantity
 _LOW, _HIGH = Quantity(5.0, "Hz"), Quantity(100.0, "Hz")
 _REST, _SETTLE = Quantity(60.0, "s"), Quantity(5.0, "s")
 _AMPLITUDE_GOAL, _PHASE_GOAL = Quantity(1.0, "%"), Quantity(1.0, "deg")
-_CUT_OFFS = 2.5
 
 
 class Window(StrEnum):
@@ -76,8 +76,8 @@ class RandomVibrationParameters:
     ] = Window.HANN
     degree: Annotated[
         int,
-        Described("degree of the polynomials through gain and phase over the band", "6"),
-    ] = 6
+        Described("degree of the polynomials through gain and phase over the band", "7"),
+    ] = 7
     coherence_floor: Annotated[
         float,
         Described("frequencies of a lesser coherence are left out, and named", "0.8"),
@@ -132,7 +132,7 @@ class RandomVibrationParameters:
     @property
     def cutoff_hz(self) -> float:
         """The cut-off of the low-pass, Hz (S4.2)."""
-        return _CUT_OFFS * self.high_hz if self.cutoff is None else self.cutoff.to("Hz")
+        return CUT_OFF * self.high_hz if self.cutoff is None else self.cutoff.to("Hz")
 
     @property
     def shortest_segment_s(self) -> float:

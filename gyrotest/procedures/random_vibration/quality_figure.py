@@ -5,12 +5,12 @@ from numpy.typing import NDArray
 
 from gyrotest.procedures.random_vibration.measured import MeasuredResponse
 from gyrotest.procedures.random_vibration.parameters import RandomVibrationParameters
-from gyrotest.procedures.random_vibration.stretches import thinned
+from gyrotest.procedures.random_vibration.stretches import log_bins
 from gyrotest.procedures.wording import plain
 from gyrotest.records.figure import Curve, Figure, Panel, Role, Scale, Width
 from gyrotest.records.plan import Context
 
-_LINES = 200
+_LINES = 120
 _Array = NDArray[np.float64]
 
 
@@ -40,40 +40,44 @@ def _ratio_words(measured: MeasuredResponse) -> str:
 
 
 def _coherence_panel(measured: MeasuredResponse, context: Context) -> Panel:
+    """Draw the coherence; of neighbouring frequencies the least."""
     parameters: RandomVibrationParameters = context.parameters
     x, floor = measured.response.frequency_hz, parameters.coherence_floor
-    low = min(floor, float(measured.response.coherence.min()))
+    bins, least = log_bins(x, _LINES), float(measured.response.coherence.min())
+    low = min(floor, least)
     margin = 0.05 * (1.0 - low)
     return Panel(
         y_label="Coherence γ²",
         x_scale=Scale.LOG,
         y_range=(max(low - margin, 0.0), 1.0 + margin),
         curves=(
-            _curve(x, measured.response.coherence, 0),
+            Curve(x=_drawn(bins.frequency_hz), y=_drawn(bins.least(measured.response.coherence))),
             Curve(x=(float(x[0]), float(x[-1])), y=(floor, floor), role=Role.LIMIT, label="floor"),
         ),
     )
 
 
 def _estimator_panel(measured: MeasuredResponse) -> Panel:
-    x, own = measured.response.frequency_hz, measured.response.gain
+    """Draw the estimators where the frequencies count."""
+    used = ~np.isin(measured.response.frequency_hz, measured.curve.excluded_hz)
+    bins, own = log_bins(measured.response.frequency_hz[used], _LINES), measured.response.gain[used]
     others = (("H1", measured.output_noise.gain), ("H2", measured.reference_noise.gain))
     return Panel(
         y_label="Less Hv / %",
         x_label="Frequency / Hz",
         x_scale=Scale.LOG,
         curves=tuple(
-            _curve(x, 100.0 * (gain / own - 1.0), series, label)
+            Curve(
+                x=_drawn(bins.frequency_hz),
+                y=_drawn(bins.means(100.0 * (gain[used] / own - 1.0))),
+                label=label,
+                series=series,
+            )
             for series, (label, gain) in enumerate(others)
         ),
         legend=True,
     )
 
 
-def _curve(x: _Array, y: _Array, series: int, label: str = "") -> Curve:
-    return Curve(
-        x=tuple(thinned(x, _LINES).tolist()),
-        y=tuple(thinned(y, _LINES).tolist()),
-        label=label,
-        series=series,
-    )
+def _drawn(values: _Array) -> tuple[float, ...]:
+    return tuple(values.tolist())

@@ -1,5 +1,7 @@
 """How the runs scatter: each run's estimates about the common curve, and 3σ of their curves."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,34 +11,29 @@ from gyrotest.analysis.response_curve import CurvePoints
 from gyrotest.analysis.response_repeatability import ResponseRepeatability
 from gyrotest.procedures.random_vibration.measurands import AMPLITUDE_REPEATABILITY, PHASE_REPEATABILITY
 from gyrotest.procedures.random_vibration.measured import MeasuredResponse
-from gyrotest.procedures.random_vibration.stretches import thinned
+from gyrotest.procedures.random_vibration.stretches import Bins, log_bins
 from gyrotest.procedures.wording import plain
 from gyrotest.records.figure import Band, Curve, Figure, Panel, Role, Scale, Width
 from gyrotest.records.plan import Context
 
-_LINES = 80
+_LINES = 60
 _HALF_TURN, _TURN = 180.0, 360.0
 _Array = NDArray[np.float64]
 
 
 def runs_figure(measured: MeasuredResponse) -> Figure:
     """Draw each run's estimates less the curve through all of them."""
-    runs = [_Deviation.of(run, measured) for run in measured.runs]
     points = measured.curve.at(measured.curve.lines.frequency_hz)
+    bins = log_bins(points.frequency_hz, _LINES)
+    runs = [_deviation(run, points, bins) for run in measured.runs]
     most = max(float(np.abs(one.gain).max()) for one in runs)
     return Figure(
         name="runs",
         title="Runs about the curve",
         panels=(
+            _deviation_panel("Sensitivity / %", [one.gain for one in runs], _gain_half(points), bins),
             _deviation_panel(
-                "Sensitivity / %", "", [(one.x, one.gain) for one in runs], points, _gain_half(points)
-            ),
-            _deviation_panel(
-                "Phase / °",
-                "Frequency / Hz",
-                [(one.x, one.phase) for one in runs],
-                points,
-                NORMAL_95 * points.phase_uncertainty_deg,
+                "Phase / °", [one.phase for one in runs], NORMAL_95 * points.phase_uncertainty_deg, bins
             ),
         ),
         caption="Estimates of each run, means of neighbouring frequencies, less the curve through all of them;"
@@ -45,19 +42,20 @@ def runs_figure(measured: MeasuredResponse) -> Figure:
     )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class _Deviation:
-    """A run's estimates less the curve, thinned: gain in %, phase in °, at frequencies x."""
+    """A run's estimates less the curve, of groups of lines: gain in %, phase in °."""
 
-    def __init__(self, x: _Array, gain: _Array, phase: _Array) -> None:
-        self.x, self.gain, self.phase = thinned(x, _LINES), thinned(gain, _LINES), thinned(phase, _LINES)
+    gain: _Array
+    phase: _Array
 
-    @classmethod
-    def of(cls, run: Response, measured: MeasuredResponse) -> "_Deviation":
-        """Compare a run where the curve has lines."""
-        used = np.isin(run.frequency_hz, measured.curve.lines.frequency_hz)
-        points = measured.curve.at(run.frequency_hz[used])
-        turned = (run.phase_deg[used] - points.phase_deg + _HALF_TURN) % _TURN - _HALF_TURN
-        return cls(run.frequency_hz[used], 100.0 * (run.gain[used] / points.gain - 1.0), turned)
+
+def _deviation(run: Response, points: CurvePoints, bins: Bins) -> _Deviation:
+    """Compare a run where the curve has lines."""
+    used = np.isin(run.frequency_hz, points.frequency_hz)
+    turned = (run.phase_deg[used] - points.phase_deg + _HALF_TURN) % _TURN - _HALF_TURN
+    gain = 100.0 * (run.gain[used] / points.gain - 1.0)
+    return _Deviation(gain=bins.means(gain), phase=bins.means(turned))
 
 
 def _gain_half(points: CurvePoints) -> _Array:
@@ -65,19 +63,16 @@ def _gain_half(points: CurvePoints) -> _Array:
     return half
 
 
-def _deviation_panel(
-    y_label: str, x_label: str, runs: list[tuple[_Array, _Array]], points: CurvePoints, half: _Array
-) -> Panel:
-    x, shown = thinned(points.frequency_hz, _LINES), thinned(half, _LINES)
-    band = Band(x=_drawn(x), lower=_drawn(-shown), upper=_drawn(shown))
+def _deviation_panel(y_label: str, runs: list[_Array], half: _Array, bins: Bins) -> Panel:
+    x, shown = _drawn(bins.frequency_hz), bins.means(half)
     return Panel(
         y_label=y_label,
-        x_label=x_label,
+        x_label="Frequency / Hz",
         x_scale=Scale.LOG,
-        bands=(band,),
+        bands=(Band(x=x, lower=_drawn(-shown), upper=_drawn(shown)),),
         curves=tuple(
-            Curve(x=_drawn(at), y=_drawn(y), label=f"run {number + 1}", series=number)
-            for number, (at, y) in enumerate(runs)
+            Curve(x=x, y=_drawn(y), label=f"run {number + 1}", series=number)
+            for number, y in enumerate(runs)
         ),
         legend=True,
     )
