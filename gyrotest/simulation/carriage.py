@@ -33,6 +33,8 @@ class Swing:
 
     def mean(self, from_deg: NDArray[np.float64], to_deg: NDArray[np.float64]) -> Direction:
         """The mean while the axis turns evenly from one angle to another."""
+        if self.cosine == 0.0 and self.sine == 0.0:
+            return np.full(from_deg.shape, self.constant)
         middle, way = np.radians(0.5 * (from_deg + to_deg)), (to_deg - from_deg) / 360.0
         swing = self.cosine * np.cos(middle) + self.sine * np.sin(middle)
         return np.asarray(self.constant + swing * np.sinc(way))

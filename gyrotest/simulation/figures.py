@@ -44,7 +44,7 @@ def figures_of(
     values: dict[str, float] = {}
     for name, key in keys.items():
         try:
-            value = parse_quantity(_text(given, name, key), key.dimension).to(key.dimension)
+            value = _value(given.get(name, key.default), key)
         except UnitError as error:
             faults.append(fault(f"{prefix}.{name}", str(error)))
             continue
@@ -55,11 +55,10 @@ def figures_of(
     return Figures(values=values, faults=faults)
 
 
-def _text(given: Mapping[str, Any], name: str, key: Figure) -> Any:
-    value = given.get(name, key.default)
-    if key.pure and isinstance(value, int | float) and not isinstance(value, bool):
-        return f"{100.0 * value!r} %"
-    return value
+def _value(given: Any, key: Figure) -> float:
+    if key.pure and isinstance(given, int | float) and not isinstance(given, bool):
+        return float(given)
+    return parse_quantity(given, key.dimension).to(key.dimension)
 
 
 def given_figures(station: Station, name: str) -> dict[str, Any]:
