@@ -4,7 +4,7 @@ import argparse
 import sys
 from typing import Any
 
-_INSTRUMENTS = ("meter", "table", "supply", "chamber", "stim210", "stim300", "line")
+_INSTRUMENTS = ("meter", "table", "supply", "chamber", "stim210", "stim300", "line", "daq")
 _MODELS = ("34401A", "34465A", "acutrol3000", "aerosmith")
 
 
@@ -13,10 +13,11 @@ def add_simulate(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "instrument",
         choices=_INSTRUMENTS,
-        help="what is served; stim210, stim300 and line (a board that prints lines) are gyros themselves",
+        help="what is served; stim210, stim300 and line (a board that prints lines) are gyros themselves, daq"
+        " is a server of the block protocol",
     )
     parser.add_argument(
-        "--port", type=int, help="TCP port (0: any free one; default 5025, for a table 9878)"
+        "--port", type=int, help="TCP port (0: any free one; default 5025, for a table 9878, daq 5030)"
     )
     parser.add_argument(
         "--pty", action="store_true", help="serve a pseudo-terminal instead (not on Windows)"
@@ -25,7 +26,7 @@ def add_simulate(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--serial", default="1234", help="serial number of the gyro")
     parser.add_argument("--scenario", default="nominal")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--fast", action="store_true", help="do not let time pass: meters and gyros")
+    parser.add_argument("--fast", action="store_true", help="do not let time pass: meters, gyros, daq")
     parser.add_argument("--frame", help="of a stim210 or stim300: the kind of frame that it sends")
     parser.add_argument("--rate", help="of a gyro that sends by itself: samples a second, e.g. '125 Hz'")
     parser.add_argument("--format", help="of a line: e.g. '{counter},{x:.5f},{y:.5f},{z:.5f}'")

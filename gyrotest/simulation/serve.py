@@ -10,7 +10,7 @@ from gyrotest.clock import RealClock
 from gyrotest.errors import RefusedError
 from gyrotest.ports import Clock
 from gyrotest.records.spec import Output, OutputKind, Spec
-from gyrotest.records.station import Instrument, Motion, Simulation, Slot, Station
+from gyrotest.records.station import Encoder, Instrument, Motion, Simulation, Slot, Station
 from gyrotest.simulation.bench import find_scenario
 from gyrotest.simulation.clock import VirtualClock
 from gyrotest.simulation.gyro_settings import gyro_parameters
@@ -19,7 +19,8 @@ from gyrotest.simulation.peer import Making, Peer, Reading
 from gyrotest.simulation.peers import make_peer
 from gyrotest.simulation.scenarios import Scenario
 from gyrotest.simulation.server import has_pty
-from gyrotest.simulation.streaming import Streaming
+from gyrotest.simulation.streaming import Digitizing, Streaming
+from gyrotest.simulation.vibration import SteadyDrive
 from gyrotest.simulation.wires import Wires
 from gyrotest.simulation.workplace import Workplace
 from gyrotest.units import Quantity
@@ -32,6 +33,15 @@ _SLOT = "a"
 _LAST_PORT = 65_535
 _MOTION = Motion(
     max_rate=Quantity(500.0, "deg/s"), max_acceleration=Quantity(200.0, "deg/s/s"), slip_ring=True
+)
+# A synchronous source reads a gyro and a grating on a vibration table that swings by itself.
+_DRIVE = "exciter"
+_SWING = SteadyDrive(peak_v=0.5, frequency_hz=20.0)
+_SHAKEN = Slot(
+    source="daq",
+    channel="gyro",
+    vibration=_DRIVE,
+    encoder=Encoder(sine="ua", cosine="ub", lines=9000),
 )
 _ANALOGUE = Spec(
     model="50 mV/(deg/s)",
@@ -78,11 +88,15 @@ KINDS: Mapping[str, Kind] = {
     "stim210": Kind(models=("stim210",), moves_time=True, figures={"frame": "rate_counter", **_GYRO}),
     "stim300": Kind(models=("stim300",), moves_time=True, figures={"frame": "rate", **_GYRO}),
     "line": Kind(models=("line_stream",), moves_time=True, figures=_GYRO),
+    "daq": Kind(models=("sync_stream",), port=5030, moves_time=True),
 }
 
 
 class Standalone:
     """An instrument served until it is closed; a meter reads a nominal 50 mV/(°/s) gyro.
+
+    So does a synchronous source (`daq`, channel `gyro`), with a grating of 9000 lines (`ua`, `ub`), on a table
+    that swings.
 
     In real time; `fast` lets no time pass but the instrument's own, and that at once. A scenario strikes
     within the first minute. `figures` are those of `simulation.instruments`. Raises `RefusedError` and
@@ -158,10 +172,11 @@ def _station(name: str, driver: str, seed: int, figures: Mapping[str, Any]) -> S
         serial_number=f"SIM{seed % 100_000:05d}",
         motion=_MOTION if name == "table" else None,
     )
+    beside = {_DRIVE: Instrument(driver="keysight33500b", resource="simulated")} if name == "daq" else {}
     return Station(
         name="stand-alone",
-        instruments={name: instrument},
-        slots={_SLOT: Slot(source=name)},
+        instruments={name: instrument, **beside},
+        slots={_SLOT: _SHAKEN if name == "daq" else Slot(source=name)},
         simulation=Simulation(instruments={name: figures} if figures else {}),
     )
 
@@ -177,7 +192,7 @@ def _begin(peer: Peer, making: Making, serial_number: str) -> None:
         duration_s=_RECORD_S,
     )
     peer.begin(occasion)
-    if not isinstance(peer, Reading | Streaming):
+    if not isinstance(peer, Reading | Streaming | Digitizing):
         return
     spec = _DIGITAL if isinstance(peer, Streaming) else _ANALOGUE
     scenario: Scenario = making.scenario
@@ -185,7 +200,7 @@ def _begin(peer: Peer, making: Making, serial_number: str) -> None:
         making.station,
         making.station.slots[_SLOT],
         gyro_parameters(Simulation(), spec, scenario.factors),
-        peers={},
+        peers={_DRIVE: _SWING},
         powered=False,
         seed=making.seed,
         scenario=scenario,

@@ -13,6 +13,7 @@ from gyrotest.errors import StationError, UnitError
 from gyrotest.records.station import Station
 from gyrotest.simulation.figures import Figure, fault, figures_of, given_figures
 from gyrotest.simulation.motion import Knots
+from gyrotest.simulation.occasion import Occasion
 from gyrotest.simulation.peer import Exciting
 from gyrotest.units import Dimension, parse_quantity
 
@@ -60,6 +61,28 @@ class VibrationTable:
     def settling_s(self) -> float:
         """When what was before is no longer seen."""
         return _FORGOTTEN / (2.0 * math.pi * _BUTTERWORTH * self.low_edge_hz)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SteadyDrive:
+    """A drive that always gives the same sine, of this peak; it has nothing to be drawn."""
+
+    peak_v: float
+    frequency_hz: float
+
+    def begin(self, occasion: Occasion) -> None:
+        """Nothing to restart."""
+
+    def truth(self) -> Mapping[str, float]:
+        """Nothing that could be held against it."""
+        return {}
+
+    def drive_v(
+        self, first: int, count: int, *, origin_s: float, interval_s: float
+    ) -> NDArray[np.float64]:
+        """The voltage at `origin_s + (first … first + count - 1) · interval_s`, (count,), V."""
+        times_s = origin_s + interval_s * np.arange(first, first + count, dtype=np.float64)
+        return np.asarray(self.peak_v * np.sin(2.0 * math.pi * self.frequency_hz * times_s))
 
 
 class Shaken:
