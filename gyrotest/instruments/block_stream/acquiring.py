@@ -34,7 +34,8 @@ class Acquiring:
             *_lost(self.assembly.on_the_way, "on the way"),
         ]
         told += [f"{many(damaged, 'block')} with bad CRC"] if damaged else []
-        told = told or ["no sample lost"]
+        if not told and not self.recovered:
+            told.append("no sample lost")
         told += self.assembly.clipping.remarks()
         if self.recovered:
             told.append(
