@@ -201,16 +201,22 @@ def four_parameter_fit(
     )
 
 
-def spectral_peak_hz(values: _Array, interval_s: float) -> float:
+def spectral_peak_hz(
+    values: _Array, interval_s: float, *, low_hz: float = 0.0, high_hz: float = math.inf
+) -> float:
     """Return the frequency of the greatest peak in a record's spectrum, between its lines by a parabola.
 
-    Of a long record the first million samples are looked at, tapered by Hann's window.
+    Looked for between two frequencies, and of a long record in the first million samples, which are tapered
+    by Hann's window. Raises `InsufficientDataError` where there is none.
     """
     looked_at = values[:_LOOKED_AT] - values[:_LOOKED_AT].mean()
     spectrum = np.abs(np.fft.rfft(looked_at * np.hanning(looked_at.size)))
-    peak = int(np.argmax(spectrum[1:-1])) + 1
-    if not spectrum[peak] > 0.0:
-        raise InsufficientDataError("the record is constant: there is no sine in it")
+    frequencies_hz = np.fft.rfftfreq(looked_at.size, interval_s)
+    inside = (frequencies_hz >= low_hz) & (frequencies_hz <= high_hz)
+    inside[[0, -1]] = False
+    peak = int(np.argmax(np.where(inside, spectrum, -1.0)))
+    if not (inside[peak] and spectrum[peak] > 0.0):
+        raise InsufficientDataError("the record is constant, or too short: there is no sine in it")
     below, at, above = np.log(np.maximum(spectrum[peak - 1 : peak + 2], spectrum[peak] * _SAME))
     curvature = below - 2.0 * at + above
     shift = 0.5 * (below - above) / curvature if curvature < 0.0 else 0.0
