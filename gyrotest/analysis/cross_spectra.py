@@ -127,7 +127,13 @@ class CrossSpectra:
         ------
         InsufficientDataError
             A sample that is not a finite number.
+        ValueError
+            Not as many of the one as of the other.
         """
+        if angle_deg.shape != output.shape:
+            raise ValueError(
+                f"{angle_deg.shape} angles and {output.shape} outputs are not sampled together"
+            )
         signals = (angle_deg, output)
         if not all(np.isfinite(one.sum()) for one in signals):
             raise InsufficientDataError(

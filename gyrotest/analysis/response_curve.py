@@ -194,9 +194,8 @@ def group_delay(curve: ResponseCurve, *, frequency_hz: float) -> Reading:
 def flatness(curve: ResponseCurve, *, reference_hz: float, to_hz: float | None = None) -> Reading:
     """Return the highest less the lowest gain over the band, in % of that at a reference frequency.
 
-    Up to `to_hz` where it is given, else up to the end of the band.
-
-    Noise makes it larger, never smaller: a curve that is flat to within its uncertainty is not seen to be.
+    Up to `to_hz` where it is given, else up to the end of the band. Noise makes it larger, never smaller: a
+    curve that is flat to within its uncertainty is not seen to be.
 
     Raises
     ------

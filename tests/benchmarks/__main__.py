@@ -5,6 +5,7 @@ from tests.benchmarks import (
     bench_analyse,
     bench_decoding,
     bench_digital,
+    bench_frequency_response,
     bench_identification,
     bench_inert,
     bench_main_job,
@@ -22,5 +23,6 @@ for benchmark in (
     bench_simulated_stream,
     bench_digital,
     bench_decoding,
+    bench_frequency_response,
 ):
     benchmark.main()

@@ -179,6 +179,11 @@ def test_what_is_not_a_number_is_refused() -> None:
         make().push(angle, output)
 
 
+def test_signals_of_different_lengths_are_refused() -> None:
+    with pytest.raises(ValueError, match="not sampled together"):
+        make().push(np.zeros(10), np.zeros(11))
+
+
 @pytest.mark.parametrize(("low_hz", "high_hz"), [(0.5, 100.0), (20.0, 499.5), (100.0, 20.0)])
 def test_a_band_beyond_the_lines_is_refused(low_hz: float, high_hz: float) -> None:
     with pytest.raises(ValueError, match="lines 2 … 498 Hz"):

@@ -24,7 +24,7 @@ TRUTH = Truth(gain=0.05, natural_hz=80.0, damping=0.65, delay_s=4e-4)
 VIBRATION = Vibration(truth=TRUTH)
 PLACES = np.array([5.0, 50.0, 100.0])
 REFERENCE_HZ = 10.0
-UNITS = 120
+UNITS = 100
 
 
 def response(seed: int, *, duration_s: float = 30.0, vibration: Vibration = VIBRATION) -> Response:
@@ -140,6 +140,15 @@ def test_readings_off_an_exact_curve_are_exact(exact_curve: ResponseCurve) -> No
     at_reference = abs(TRUTH.response(np.array([REFERENCE_HZ]))[0])
     expected = 100.0 * (grid.max() - grid.min()) / at_reference
     assert flatness(exact_curve, reference_hz=REFERENCE_HZ).value == pytest.approx(expected, rel=1e-3)
+
+
+def test_the_flatness_up_to_a_frequency(exact_curve: ResponseCurve) -> None:
+    found = flatness(exact_curve, reference_hz=20.0, to_hz=30.0)
+    grid = np.abs(TRUTH.response(np.linspace(LOW_HZ, 30.0, 10_001)))
+    expected = 100.0 * np.ptp(grid) / abs(TRUTH.response(np.array([20.0]))[0])
+    assert found.value == pytest.approx(expected, rel=1e-3)
+    with pytest.raises(InsufficientDataError, match="120 Hz lies outside"):
+        flatness(exact_curve, reference_hz=20.0, to_hz=120.0)
 
 
 def test_a_pure_delay_is_the_group_delay() -> None:
