@@ -21,6 +21,8 @@ from gyrotest.units import Dimension
 
 _POLL_S = 0.1
 _WATCH_S = 0.5
+# It comes nearer for ever if it is waited for by what is left alone.
+_LEAST_S = 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -159,13 +161,13 @@ class StageDrive:
                 self._clock.sleep_until(self._seen.time_s + min(_POLL_S, left_s - self._reading_s))
                 read_dps = self._read_rate_dps()
             else:
-                self._clock.sleep_until(self._seen.time_s + left_s)
+                self._clock.sleep_until(self._seen.time_s + max(left_s, _LEAST_S))
 
     def _refuse_late_begin(self, rotating: Rotating, sampled_s: float) -> None:
-        """See that the samples end in time for it to stop."""
+        """See that the samples end in time for it to stop, with half of the run-up's spare for a late source."""
         begin_deg = self._seen.along_deg
         ends_deg = begin_deg + abs(rotating.rate_dps) * sampled_s
-        if ends_deg <= TURN_DEG - self._stopping_deg(rotating):
+        if ends_deg <= TURN_DEG - (rotating.run_up_deg + self._stopping_deg(rotating)) / 2:
             return
         self._halt()
         raise InstrumentError(
