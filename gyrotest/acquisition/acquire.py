@@ -8,9 +8,10 @@ from gyrotest.acquisition.plausibility import Plausibility
 from gyrotest.acquisition.progress import Progress
 from gyrotest.acquisition.stimulation import Stimulation
 from gyrotest.acquisition.tracks import Track, Tracks
+from gyrotest.acquisition.vibrating import vibration_words
 from gyrotest.errors import AcquisitionError, GyrotestError, InstrumentError, OverloadError
 from gyrotest.ports import Clock, DigitalGyro, Playback, Source
-from gyrotest.records.plan import Plan, Rotating, Step, Turning
+from gyrotest.records.plan import Plan, Rotating, Step, Turning, Vibrating
 from gyrotest.records.recording import Block, Dwell, Gap, Recording
 
 RETRY_PAUSES_S = (1.0, 5.0, 30.0)
@@ -208,7 +209,9 @@ class Acquisition:
 
 
 def _step_words(step: Step) -> str:
-    """A step by its name, and by its rate where it has one."""
+    """A step by its name, and by how it turns or vibrates where it does."""
     if isinstance(step.stimulus, Turning | Rotating):
         return f"step '{step.name}' at {step.stimulus.rate_dps:g} °/s"
+    if isinstance(step.stimulus, Vibrating):
+        return f"step '{step.name}', {vibration_words(step.stimulus)}"
     return f"step '{step.name}'"

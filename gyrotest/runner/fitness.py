@@ -25,14 +25,15 @@ def check_fitness(spec: Spec, station: Station) -> None:
         f"{case}: {fault}"
         for case, plan in ((name, planned_case(name, spec).plan) for name in spec.cases)
         for fault in dict.fromkeys(
-            text for slot in slots for text in _plan_faults(plan, station, slot, station.slots[slot])
+            text for slot in slots for text in plan_faults(plan, station, slot, station.slots[slot])
         )
     ]
     if faults:
         raise RefusedError("\n".join(faults))
 
 
-def _plan_faults(plan: Plan, station: Station, name: str, slot: Slot) -> Iterator[str]:
+def plan_faults(plan: Plan, station: Station, name: str, slot: Slot) -> Iterator[str]:
+    """What a slot of a station lacks for a plan, and what its instruments cannot do of it."""
     if plan.rotates:
         yield from _rotating_faults(plan, station, name, slot)
     elif plan.turns:
