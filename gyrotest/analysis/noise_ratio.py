@@ -11,6 +11,7 @@ from gyrotest.errors import InsufficientDataError
 
 _Array = NDArray[np.float64]
 _DEGREE = 3
+_EDGE = 1e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,10 +28,23 @@ class NoiseRatio:
     coherence: float | None = None
 
     def at(self, frequency_hz: _Array) -> _Array:
-        """Return κ at frequencies (k,) of the band; inf where the reference, 0 where the output has no noise."""
+        """Return κ at frequencies (k,) of the band; inf where the reference, 0 where the output has no noise.
+
+        Raises
+        ------
+        InsufficientDataError
+            A frequency outside of the band of the record at rest.
+        """
         if self.curve is None:
             return np.full(np.shape(frequency_hz), self.value)
-        found: _Array = np.exp(self.curve.value(np.log(frequency_hz)))
+        place = np.log(frequency_hz)
+        if place.min() < self.curve.low - _EDGE or place.max() > self.curve.high + _EDGE:
+            raise InsufficientDataError(
+                f"noise at rest is known for {np.exp(self.curve.low):g} … {np.exp(self.curve.high):g} Hz, and"
+                f" asked for at {np.min(frequency_hz):g} … {np.max(frequency_hz):g} Hz; take both spectra with"
+                " the same segments and band"
+            )
+        found: _Array = np.exp(self.curve.value(place))
         return found
 
     def deviations(self, frequency_hz: _Array) -> _Array:

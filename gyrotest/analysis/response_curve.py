@@ -16,6 +16,7 @@ HALF_POWER = -0.5 * math.log(2.0)
 """A gain of 1/√2, −3.01 dB, as a logarithm."""
 
 _FINEST = 1e-8
+_COARSEST = 0.3
 _GRID = 2001
 
 
@@ -104,7 +105,8 @@ def fit_response(
     degree, phase_degree
         Of the polynomials; None: the phase has the gain's.
     coherence_floor
-        Lines of a lower coherence are left out and listed.
+        Lines of a lower coherence are left out and listed; so are any whose random error exceeds 30 %, of
+        which neither the logarithm nor the turn of the phase could be trusted.
 
     Raises
     ------
@@ -117,7 +119,7 @@ def fit_response(
     noise makes the mean of gains too large (by ε²/2), but not that of their logarithms.
     """
     used = response.coherence >= coherence_floor
-    used &= np.isfinite(response.error)
+    used &= response.error <= _COARSEST
     if not used.any():
         raise _incoherent(response, coherence_floor)
     lines = _chosen(response, used)
@@ -262,9 +264,10 @@ def _estimates(lines: Response, values: _Array, error: _Array, common: _Array) -
 def _incoherent(response: Response, floor: float) -> InsufficientDataError:
     best = int(np.argmax(response.coherence))
     return InsufficientDataError(
-        f"the coherence is below {floor:g} over the whole band; it is {response.coherence[best]:.3f} at best,"
-        f" at {response.frequency_hz[best]:g} Hz: vibrate harder, see that the unit and the encoder sit on the"
-        " same table and are sampled together, or lower the floor"
+        f"the coherence is below {floor:g}, or the random error above {100.0 * _COARSEST:g} %, over the whole"
+        f" band; the coherence is {response.coherence[best]:.3f} at best, at {response.frequency_hz[best]:g}"
+        f" Hz, of {response.averages:.0f} averages: vibrate harder or longer, see that the unit and the encoder"
+        " sit on the same table and are sampled together, or lower the floor"
     )
 
 

@@ -76,6 +76,13 @@ def test_two_channels_without_any_noise_are_refused() -> None:
         noise_ratio(spectra_of(still, still))
 
 
+def test_a_ratio_is_not_extrapolated() -> None:
+    found = noise_ratio(REST.spectra(1, duration_s=20.0))
+    for frequency_hz in (4.75, 100.25):
+        with pytest.raises(InsufficientDataError, match=r"known for 5 … 100 Hz.*same segments and band"):
+            found.at(np.array([50.0, frequency_hz]))
+
+
 def test_a_known_ratio_is_the_same_everywhere_and_certain() -> None:
     found = known_ratio(0.3)
     assert found.at(PLACES).tolist() == [0.3] * 4

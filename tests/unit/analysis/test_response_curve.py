@@ -219,9 +219,27 @@ def test_a_band_whose_ends_lack_coherence_is_a_shorter_band() -> None:
 def test_too_little_coherence_over_the_whole_band_is_refused() -> None:
     given = response(1, vibration=Vibration(truth=TRUTH, reference=1.0, output=1.0))
     with pytest.raises(
-        InsufficientDataError, match=r"below 0\.9 over the whole band; it is 0\.\d+ at best, at"
+        InsufficientDataError, match=r"below 0\.9, .* over the whole band; .* is 0\.\d+ at best, at"
     ):
         fit(given, coherence_floor=0.9)
+
+
+def test_lines_that_are_all_but_noise_are_left_out_whatever_the_floor() -> None:
+    given = response(1)
+    spoilt = given.frequency_hz < 20.0
+    turned = np.random.default_rng(1).uniform(-180.0, 180.0, spoilt.size)
+    found = fit(
+        replace(
+            given,
+            phase_deg=np.where(spoilt, turned, given.phase_deg),
+            error=np.where(spoilt, 0.5, given.error),
+        ),
+        coherence_floor=0.0,
+    )
+    assert found.low_hz == 20.0
+    np.testing.assert_allclose(found.at(PLACES[1:]).phase_deg, TRUTH.phase_deg(PLACES[1:]), atol=2.0)
+    with pytest.raises(InsufficientDataError, match="random error above 30 %"):
+        fit(replace(given, error=np.full(spoilt.size, 0.5)), coherence_floor=0.0)
 
 
 def test_too_few_coherent_lines_for_the_degree_are_refused() -> None:
