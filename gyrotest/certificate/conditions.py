@@ -38,10 +38,34 @@ def _samplings(record: RunRecord) -> Iterator[str]:
     ways = [one.header.sampling for one in _recordings(record) if not one.header.source.replayed]
     spoken = record.header.spec.spec.output.kind is not OutputKind.VOLTAGE
     for way in dict.fromkeys(ways):
-        if spoken and way.duty >= _GAP_FREE:
+        if way.synchronous:
+            yield _by_one_clock(way)
+        elif spoken and way.duty >= _GAP_FREE:
             yield _own_samples(way) + _beside(way)
         else:
             yield _readings(way) + _beside(way)
+
+
+def _by_one_clock(way: Sampling) -> str:
+    """What a synchronous source samples."""
+    known = "how well the times between them are known is not stated"
+    if way.skew_uncertainty_s is not None:
+        known = f"times between them known to within {_microseconds(way.skew_uncertainty_s)}"
+    late = ", ".join(
+        f"{name} {_microseconds(offset)}"
+        for name, offset in zip(way.columns, way.offsets_s, strict=False)
+        if offset
+    )
+    corrected = f"; later than {way.columns[0]} and corrected for it: {late}" if late else ""
+    analogue = "not stated" if way.filter_hz is None else f"{plain(way.filter_hz, digits=4)} Hz"
+    return (
+        f"{', '.join(way.columns)} sampled {1.0 / way.interval_s:.0f} times a second by one clock{corrected};"
+        f" {known}. Analogue low-pass: {analogue}."
+    )
+
+
+def _microseconds(time_s: float) -> str:
+    return f"{plain(time_s * 1e6, digits=4)} µs"
 
 
 def _own_samples(way: Sampling) -> str:

@@ -106,7 +106,7 @@ def uncertainty(record: RunRecord) -> str:
     text = (
         "± is the expanded uncertainty U = k·u by JCGM 100 (GUM): the combined standard uncertainty times "
         "Student's t for 95.45 % coverage at the effective degrees of freedom. Square brackets are 95 % "
-        "intervals, which need not lie evenly about the value. ≤ marks an upper bound."
+        "intervals, which need not lie evenly about the value. ≤ marks an upper bound, ≥ a lower one."
     )
     left_out = list(dict.fromkeys(name for result in record.results for name in result.not_included))
     return f"{text} Not included: {', '.join(left_out)}." if left_out else text

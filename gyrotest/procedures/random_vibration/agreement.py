@@ -63,7 +63,7 @@ def agreement_with(measured: MeasuredResponse, context: Context) -> Agreement:
     return Agreement(
         case=case,
         amplitude=tuple(_amplitudes(measured, earlier, common, context)),
-        phase=tuple(_phases(measured, earlier, common, context)),
+        phase=tuple(_phases(measured, earlier, common)),
     )
 
 
@@ -131,10 +131,10 @@ def _amplitudes(
 
 
 def _phases(
-    measured: MeasuredResponse, earlier: Mapping[str, Result], common: list[float], context: Context
+    measured: MeasuredResponse, earlier: Mapping[str, Result], common: list[float]
 ) -> Iterator[Difference]:
     for frequency_hz in common:
-        own = phase_result(measured, frequency_hz, context)
+        own = phase_result(measured, frequency_hz)
         other = earlier.get(phase_name(frequency_hz))
         if own.value is None or other is None or other.value is None:
             continue

@@ -81,7 +81,7 @@ def _table(agreement: Agreement) -> Table:
         title="Methods compared",
         note="random less sine; U without what errs alike in both",
         columns=(
-            Column(heading="Frequency", share=12, numbers=True),
+            Column(heading="Frequency", share=12),
             Column(heading=f"Random{of}", share=17, numbers=True),
             Column(heading=f"Sine{of}", share=17, numbers=True),
             Column(heading="Diff. / %", share=11, numbers=True),

@@ -49,8 +49,10 @@ def bode_figure(measured: MeasuredResponse, context: Context) -> Figure:
         ),
         note=f"0 dB: {plain(zero_db, 5)} {printed_unit(unit)}".strip()
         + f" at {plain(parameters.reference_hz, 6)} Hz",
-        caption=f"Sensitivity and phase by random vibration, {runs} run{'s' * (runs > 1)} together. Line: estimate"
-        " at each frequency (Hv); over it the polynomial, with its 95 % band by random error; dashed: limits."
+        caption=f"Sensitivity and phase by random vibration, {runs} run{'s' * (runs > 1)} together,"
+        f" {measured.segments} segments of {plain(measured.response.segment_s, 4)} s that overlap by half. Line:"
+        f" estimate at each frequency (Hv); over it the polynomial of degree {parameters.degree} with its 95 %"
+        " band by random error; dashed: limits."
         + (" Grey: coherence too low, left out." if measured.curve.excluded_hz.size else ""),
         alt=f"Bode plot from {plain(measured.curve.low_hz, 6)} to {plain(measured.curve.high_hz, 6)} Hz",
         table=_table(measured, context, unit) if parameters.frequencies else None,
@@ -199,7 +201,7 @@ def _table(measured: MeasuredResponse, context: Context, unit: str) -> Table:
         title="Response at single frequencies",
         note="from the curve; U: expanded uncertainty; 3σ: of the runs",
         columns=(
-            Column(heading="Frequency", share=12, numbers=True),
+            Column(heading="Frequency", share=12),
             Column(heading=heading, share=22, numbers=True),
             Column(heading="U", share=10, numbers=True),
             Column(heading="3σ / %", share=10, numbers=True),
@@ -225,7 +227,7 @@ def _row(measured: MeasuredResponse, frequency_hz: float, context: Context) -> t
         Cell(text=f"{plain(frequency_hz, 6)} Hz"),
         *_cells(sensitivity_result(measured, frequency_hz, context)),
         amplitude,
-        *_cells(phase_result(measured, frequency_hz, context)),
+        *_cells(phase_result(measured, frequency_hz)),
         phase,
         Cell(text=f"{coherence:.5f}"),
     )

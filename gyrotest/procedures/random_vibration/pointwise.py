@@ -6,7 +6,6 @@ import numpy as np
 
 from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.random_vibration.measured import MeasuredResponse
-from gyrotest.procedures.random_vibration.parameters import RandomVibrationParameters
 from gyrotest.procedures.random_vibration.uncertainty import gain_budget, phase_budget
 from gyrotest.procedures.uncertainty import budgeted_result
 from gyrotest.procedures.vibration_budget import missing_of_gain, missing_of_phase
@@ -17,7 +16,6 @@ from gyrotest.procedures.vibration_names import (
     sensitivity_label,
     sensitivity_name,
 )
-from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
 from gyrotest.units import conversion_factor
@@ -37,14 +35,14 @@ def sensitivity_result(measured: MeasuredResponse, frequency_hz: float, context:
             label=label,
             value=value,
             unit=unit,
-            condition=_curve_words(measured, context),
+            condition=_curve_words(measured),
             not_included=missing_of_gain(context),
         )
 
     return evaluated(found, name, label, unit)
 
 
-def phase_result(measured: MeasuredResponse, frequency_hz: float, context: Context) -> Result:
+def phase_result(measured: MeasuredResponse, frequency_hz: float) -> Result:
     """Return the phase that the curve through all runs has at a frequency, a lag negative."""
     name, label = phase_name(frequency_hz), phase_label(frequency_hz)
 
@@ -55,7 +53,7 @@ def phase_result(measured: MeasuredResponse, frequency_hz: float, context: Conte
             label=label,
             value=float(measured.curve.at(np.array([frequency_hz])).phase_deg[0]),
             unit="deg",
-            condition=_curve_words(measured, context),
+            condition=_curve_words(measured),
             not_included=missing_of_phase(measured.sampling),
         )
 
@@ -68,13 +66,9 @@ def scale_in(measured: MeasuredResponse, unit: str) -> float:
     return measured.scale * conversion_factor(canonical, unit)
 
 
-def _curve_words(measured: MeasuredResponse, context: Context) -> str:
-    parameters: RandomVibrationParameters = context.parameters
+def _curve_words(measured: MeasuredResponse) -> str:
     runs = len(measured.runs)
-    return (
-        f"{runs} run{'s' * (runs > 1)}, {measured.segments} segments; polynomial of degree"
-        f" {parameters.degree} over {plain(measured.curve.low_hz, 6)} … {plain(measured.curve.high_hz, 6)} Hz"
-    )
+    return "by the curve through the run" if runs == 1 else f"by the curve through {runs} runs"
 
 
 def evaluated(found: Callable[[], Result], name: str, label: str, unit: str) -> Result:

@@ -1,5 +1,7 @@
 """How well the response is known: the coherence, and how far the other estimators are from Hv."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,7 @@ from gyrotest.records.figure import Curve, Figure, Panel, Role, Scale, Width
 from gyrotest.records.plan import Context
 
 _LINES = 120
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _Array = NDArray[np.float64]
 
 
@@ -19,14 +22,14 @@ def quality_figure(measured: MeasuredResponse, context: Context) -> Figure:
     lowest = float(measured.response.coherence.min())
     return Figure(
         name="coherence",
-        title="Coherence and estimators",
+        title="Coherence",
         width=Width.HALF,
         panels=(_coherence_panel(measured, context), _estimator_panel(measured)),
-        note=_ratio_words(measured),
+        note=f"least {_coherence_text(lowest)}",
         caption="Top: coherence of encoder and output, all runs together; dashed: the floor below which"
         " frequencies are left out. Bottom: what estimators give instead that take all noise to be on the output"
-        " (H1) or on the encoder (H2).",
-        alt=f"Coherence over frequency, {plain(lowest, 3)} at least",
+        f" (H1) or on the encoder (H2). {_ratio_words(measured)}",
+        alt=f"Coherence over frequency, {_coherence_text(lowest)} at least",
     )
 
 
@@ -34,9 +37,23 @@ def _ratio_words(measured: MeasuredResponse) -> str:
     """Say what the ratio of the noises at rest is."""
     kappa = measured.noise.at(measured.response.frequency_hz)
     if not np.isfinite(kappa).all():
-        return "κ infinite: no noise of the encoder"
-    low, high = (plain(float(one), 2) for one in (kappa.min(), kappa.max()))
-    return f"κ at rest {low}" if low == high else f"κ at rest {low} … {high}"
+        return "At rest the encoder has no noise."
+    low, high = (_round_number(float(one)) for one in (kappa.min(), kappa.max()))
+    span = low if low == high else f"{low} … {high}"
+    return f"Power of the output's noise at rest over that of the encoder's rate: κ = {span}."
+
+
+def _round_number(value: float) -> str:
+    """Return two digits, with a power of ten where they are far from the point."""
+    if 1e-3 <= value < 1e5 or value == 0.0:
+        return plain(value, 2)
+    digits, power = f"{value:.1e}".split("e")
+    return f"{digits}·10{str(int(power)).translate(_SUPERSCRIPTS)}"
+
+
+def _coherence_text(value: float) -> str:
+    """Return a coherence with the first two digits by which it is less than 1."""
+    return f"{value:.{min(max(1 - math.floor(math.log10(max(1.0 - value, 1e-9))), 2), 9)}f}"
 
 
 def _coherence_panel(measured: MeasuredResponse, context: Context) -> Panel:

@@ -7,6 +7,7 @@ import numpy as np
 from gyrotest.analysis.response_repeatability import Largest
 from gyrotest.procedures.random_vibration.agreement import Agreement, agreement_results
 from gyrotest.procedures.random_vibration.band import band_results
+from gyrotest.procedures.random_vibration.least_coherence import least_coherence
 from gyrotest.procedures.random_vibration.measurands import (
     AMPLITUDE_REPEATABILITY,
     LABELS,
@@ -29,7 +30,7 @@ def response_results(
     for frequency_hz in parameters.reported_hz:
         yield sensitivity_result(measured, frequency_hz, context)
     for frequency_hz in parameters.reported_hz:
-        yield phase_result(measured, frequency_hz, context)
+        yield phase_result(measured, frequency_hz)
     yield from band_results(measured, parameters)
     yield from _repeatability_results(measured)
     yield _coherence_result(measured)
@@ -62,12 +63,15 @@ def _repeatability_result(largest: Largest, runs: int, name: str, unit: str) -> 
 
 
 def _coherence_result(measured: MeasuredResponse) -> Result:
-    coherence = measured.response.coherence
-    lowest = int(np.argmin(coherence))
+    response = measured.response
+    found = least_coherence(response.coherence, averages=response.averages)
+    lowest = int(np.argmin(response.coherence))
     return Result(
         name=LEAST_COHERENCE,
         label=LABELS[LEAST_COHERENCE],
-        value=float(coherence[lowest]),
+        value=found.value,
         unit="",
-        condition=f"at {plain(float(measured.response.frequency_hz[lowest]), 5)} Hz, all runs together",
+        lower_95=found.lower_95,
+        upper_95=found.upper_95,
+        condition=f"at {plain(float(response.frequency_hz[lowest]), 5)} Hz, all runs together",
     )

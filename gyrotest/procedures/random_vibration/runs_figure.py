@@ -86,7 +86,7 @@ def spread_figure(measured: MeasuredResponse, context: Context) -> tuple[Figure,
     return (
         Figure(
             name="repeatability",
-            title="Repeatability of the runs",
+            title="Repeatability",
             width=Width.HALF,
             panels=(
                 _spread_panel(

@@ -101,6 +101,29 @@ def test_what_a_scanner_reads_later_is_told() -> None:
     )
 
 
+def test_channels_of_one_clock_and_their_skews_are_told() -> None:
+    way = Sampling(
+        interval_s=1e-4,
+        aperture_s=1e-4,
+        channels=("gyro",),
+        auxiliary=(Auxiliary(name="encoder_sine", unit="V"),),
+        offsets_s=(0.0, 2e-5),
+        synchronous=True,
+        skew_uncertainty_s=1e-6,
+        filter_hz=4000.0,
+    )
+    told = sampled(records.passing(), way)
+    assert told[0] == (
+        "gyro, encoder_sine sampled 10000 times a second by one clock; later than gyro and corrected for it:"
+        " encoder_sine 20 µs; times between them known to within 1 µs. Analogue low-pass: 4000 Hz."
+    )
+    bare = dataclasses.replace(way, offsets_s=(), skew_uncertainty_s=None, filter_hz=None)
+    told = sampled(records.passing(), bare)
+    assert told[0].endswith(
+        "by one clock; how well the times between them are known is not stated. Analogue low-pass: not stated."
+    )
+
+
 def test_supply_and_power_cycles_are_told() -> None:
     told = " ".join(conditions(bench_records.rate_table()))
     assert "Powered with 5 V by 'supply': current limit 400 mA, over-voltage protection 5.5 V." in told

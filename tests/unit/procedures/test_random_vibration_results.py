@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from gyrotest.procedures.random_vibration import RandomVibration
+from gyrotest.procedures.random_vibration.least_coherence import least_coherence
 from gyrotest.records.plan import Reduction
 from gyrotest.records.result import Result
 from gyrotest.records.station import Encoder
@@ -267,3 +268,25 @@ def test_no_figure_has_more_than_a_few_hundred_points_a_curve(nominal: Reduction
 
 def test_nothing_is_computed_over_repeats() -> None:
     assert RandomVibration().reduce_repeats((), context()).results == ()
+
+
+def test_the_least_coherence_has_an_interval_that_allows_for_its_being_the_least(
+    nominal: Reduction,
+) -> None:
+    found = named(nominal, "coherence_minimum")
+    assert found.lower_95 is not None
+    assert found.upper_95 is not None
+    assert 0.99 < found.lower_95 < value_of(found) < found.upper_95 < 1.0
+
+
+def test_the_interval_of_the_least_coherence_covers_the_true_one() -> None:
+    rng = np.random.default_rng(11)
+    averages, covered, trials = 60, 0, 300
+    for _ in range(trials):
+        x, noise = (rng.normal(size=(40, averages, 2)) @ [1.0, 1j] for _ in range(2))
+        y = x + noise * math.sqrt(1.0 / 0.9 - 1.0)
+        cross = np.abs((y * x.conj()).mean(axis=1)) ** 2
+        power = (np.abs(x) ** 2).mean(axis=1) * (np.abs(y) ** 2).mean(axis=1)
+        found = least_coherence(cross / power, averages=averages)
+        covered += found.lower_95 <= 0.9 <= found.upper_95
+    assert covered / trials >= 0.93
