@@ -10,7 +10,7 @@ from gyrotest.acquisition.stimulation import Stimulation
 from gyrotest.acquisition.tracks import Track, Tracks
 from gyrotest.acquisition.vibrating import vibration_words
 from gyrotest.errors import AcquisitionError, GyrotestError, InstrumentError, OverloadError
-from gyrotest.ports import Clock, DigitalGyro, Playback, Source
+from gyrotest.ports import Clock, DigitalGyro, Playback, Source, SyncDaq
 from gyrotest.records.plan import Plan, Rotating, Step, Turning, Vibrating
 from gyrotest.records.recording import Block, Dwell, Gap, Recording
 
@@ -137,7 +137,7 @@ class Acquisition:
         """Whether samples that lack at the end were lost on the way, and are no end of the source itself."""
         if isinstance(self.source, Playback):
             return False
-        return self.allowed_loss is not None or isinstance(self.source, DigitalGyro)
+        return self.allowed_loss is not None or isinstance(self.source, DigitalGyro | SyncDaq)
 
     def _ended_early(self, step: Step) -> str:
         interval_s = self.plan.interval_s

@@ -20,7 +20,7 @@ from gyrotest.errors import (
     OverloadError,
     RecordingError,
 )
-from gyrotest.records.bench import Device
+from gyrotest.records.bench import DaqChannel, Device
 from gyrotest.records.plan import Plan, Step
 from gyrotest.records.recording import (
     Block,
@@ -318,10 +318,21 @@ class Gyro(Bench):
         return Device()
 
 
-def test_of_a_digital_gyro_the_last_samples_may_be_lost_like_any(
-    tmp_path: Path, clock: VirtualClock
+class Daq(Bench):
+    """A synchronous source."""
+
+    def channels(self) -> tuple[DaqChannel, ...]:
+        return (DaqChannel(name="gyro", unit="V"),)
+
+    def select(self, outputs: tuple[str, ...], auxiliary: tuple[str, ...]) -> None:
+        """There is one only."""
+
+
+@pytest.mark.parametrize("kind", [Gyro, Daq])
+def test_what_counts_its_samples_itself_may_lose_the_last_ones_like_any(
+    tmp_path: Path, clock: VirtualClock, kind: type[Bench]
 ) -> None:
-    acquisition = _acquisition(tmp_path, clock, Gyro(clock, end=SAMPLES - 1))
+    acquisition = _acquisition(tmp_path, clock, kind(clock, end=SAMPLES - 1))
     (recording,) = acquisition.run()
     assert recording.complete
     assert recording.samples == SAMPLES - 1
