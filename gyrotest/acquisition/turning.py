@@ -206,6 +206,13 @@ class TableDrive:
         self._put_down, self._enabled, self._between_plans = True, False, True
         self._turning = Turning(rate_dps=0.0)
 
+    def switch_off(self) -> None:
+        """Seen at rest, and put down; raises `InstrumentError` where it does not rest."""
+        if self._enabled:
+            self._table.stop()
+            come_to_rest(self._table, clock=self._clock, motion=self._motion, name=self._name)
+        self.put_down()
+
     def take_up(self) -> None:
         """Open it anew where it was put down; raises `InstrumentError`."""
         if self._put_down:

@@ -15,6 +15,7 @@ from gyrotest.records.spec import Case, Spec
 from gyrotest.records.station import Accuracy, Motion, Slot, Station
 from gyrotest.runner.drivers import Drivers, Openable
 from gyrotest.runner.items import Moment
+from gyrotest.runner.mounting import Mounted
 from gyrotest.runner.places import slots_of
 
 if TYPE_CHECKING:
@@ -68,6 +69,7 @@ class Bench:
         self._uses: dict[str, InstrumentUse] = {}
         self._safe = contextlib.ExitStack()
         self._events: dict[str, list[str]] = {}
+        self.mounted = Mounted()
 
     def source(self, slot: str, serial_number: str) -> OpenSource:
         """The source that reads a slot, opened, the slot powered; raises `InstrumentError`."""
@@ -93,6 +95,11 @@ class Bench:
         sources = [one.use for (name, _), one in self._sources.items() if name == place.source]
         others = (place.table, place.vibration, place.supply, place.chamber)
         return (*sources, *(self._uses[name] for name in others if name in self._uses))
+
+    @property
+    def by_hand(self) -> bool:
+        """Whether there is somebody to mount units; the simulated bench mounts them itself."""
+        return self._simulated is None
 
     def drop(self, opened: OpenSource) -> None:
         """Close a source that misbehaved; the next use opens it anew."""
@@ -237,6 +244,19 @@ class Bench:
         vibration = self._vibrations.get(place.vibration or "")
         if vibration is not None:
             vibration.put_down()
+
+    def make_safe(self, slot: str) -> str:
+        """Have a slot's table at rest and switched off, so that somebody may touch it; what is so, in words.
+
+        Raises `InstrumentError` where it does not rest.
+        """
+        name = self.station.slots[slot].table
+        if name is None:
+            return ""
+        if name not in self._tables:
+            return f"'{name}' has not been switched on; "
+        self._tables[name].switch_off()
+        return f"'{name}' is at rest and switched off; "
 
     def _motion(self, name: str) -> Motion:
         motion = self.station.instruments[name].motion

@@ -9,6 +9,7 @@ from gyrotest.acquisition.tracks import Track
 from gyrotest.acquisition.vibrating import VibrationByHand
 from gyrotest.errors import AcquisitionError, GyrotestError, InstrumentError
 from gyrotest.ports import DigitalGyro, Playback, Remarking
+from gyrotest.records.plan import Placement
 from gyrotest.records.recording import Identity, Recording, RecordingHeader, Sampling
 from gyrotest.records.run import Attempt, Origin, Outcome, PlannedItem, RunHeader
 from gyrotest.records.spec import Between
@@ -18,6 +19,7 @@ from gyrotest.runner.channels import Share, configured
 from gyrotest.runner.device import check_device
 from gyrotest.runner.folder import RunFolder
 from gyrotest.runner.items import PlannedCase, moment
+from gyrotest.runner.mounting import mounted_words, remounting_words, turned_before_deg
 
 _BY_HAND = "The unit was switched off and on by hand (manual power cycle), as the operator confirmed."
 
@@ -75,6 +77,7 @@ class Taking:
                 part.attempt, origin=origin_of(opened.use.identity), instruments=(opened.use,)
             )
         try:
+            self._remount(opened)
             shares = self._configured(opened)
             self._make_ready(opened, shares[0].sampling)
             self._record(opened, shares)
@@ -105,6 +108,29 @@ class Taking:
                 self._confirm(f"{part.item.name}: switch the unit off and on again")
                 part.attempt = replace(part.attempt, remarks=(*part.attempt.remarks, _BY_HAND))
             self._bench.power_was_cycled(part.slot)
+
+    def _remount(self, opened: OpenSource) -> None:
+        """See that every unit is mounted as the plan says; several are asked for at once."""
+        placement = self._planned.plan.placement(self._first.item.repeat)
+        if placement is None or isinstance(opened.source, Playback):
+            return
+        bench, changes = self._bench, [one for one in self._parts if self._is_other(one, placement)]
+        if changes and bench.by_hand:
+            units = {one.slot: one.header.serial_number for one in changes}
+            asked = remounting_words(units, placement, safe=bench.make_safe(self._first.slot))
+            self._confirm(f"{self._first.item.name}: {asked}")
+        for part in self._parts:
+            bench.mounted.put(part.slot, part.header.serial_number, placement.turned_deg)
+        if changes or placement.turned_deg:
+            confirmed = ", as the operator confirmed" if bench.by_hand else ""
+            self._remark(f"Mounted {mounted_words(placement)}{confirmed}.")
+
+    def _is_other(self, part: TakesPart, placement: Placement) -> bool:
+        """Whether a unit is mounted otherwise: as it was last, here or by its run's record."""
+        known_deg = self._bench.mounted.turned_deg(part.slot, part.header.serial_number)
+        if known_deg is None:
+            known_deg = turned_before_deg(part.folder, part.header)
+        return known_deg != placement.turned_deg
 
     def _configured(self, opened: OpenSource) -> tuple[Share, ...]:
         """Set the source up; each unit's share of it."""
