@@ -14,6 +14,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from gyrotest.analysis.segment_lines import SegmentLines
 from gyrotest.analysis.taper import Taper, taper
 from gyrotest.errors import InsufficientDataError
 
@@ -94,11 +95,10 @@ class CrossSpectra:
         self.rate_hz = rate_hz
         self.segment = segment or default_segment(rate_hz=rate_hz, low_hz=low_hz)
         self._taper = taper(window, self.segment)
-        self._detrend = _Detrend(self.segment)
-        self._lines = _lines(self._taper, rate_hz, low_hz, high_hz)
+        self._lines = SegmentLines(self._taper, rate_hz=rate_hz, low_hz=low_hz, high_hz=high_hz)
         self._room = np.empty((2, self.segment + (_TOGETHER - 1) * self._taper.hop))
         self._origin = np.zeros((2, 1))
-        self._sums = np.zeros((2, self._lines.size - 2 * self._taper.reach))
+        self._sums = np.zeros((2, self._lines.kept.size))
         self._cross = np.zeros(self._sums.shape[1], dtype=np.complex128)
         self._fill = 0
         self._stretches = [0]
@@ -166,10 +166,9 @@ class CrossSpectra:
                 " record longer without a gap, or begin the band at a higher frequency"
             )
         density = 2.0 / (self.rate_hz * self.segment * self._taper.power * self.segments)
-        kept = self._lines[self._taper.reach : self._lines.size - self._taper.reach]
         variance = _variances(self._taper, self._stretches)
         return Spectra(
-            frequency_hz=_fixed(kept / self.segment_s),
+            frequency_hz=_fixed(self._lines.kept / self.segment_s),
             reference=_fixed(self._sums[0] * density),
             output=_fixed(self._sums[1] * density),
             cross=_fixed(self._cross * density),
@@ -188,49 +187,13 @@ class CrossSpectra:
         windows = np.lib.stride_tricks.sliding_window_view(
             self._room[:, : self._fill], self.segment, axis=1
         )
-        rate, output = self._tapered(windows[:, ::hop])
+        rate, output = self._lines.tapered(windows[:, ::hop])
         self._sums += np.stack([_power(rate), _power(output)])
         self._cross += np.sum(output * rate.conj(), axis=0)
         left = self._fill - count * hop
         self._room[:, :left] = self._room[:, self._fill - left : self._fill].copy()
         self._fill = left
         self._stretches[-1] += count
-
-    def _tapered(self, segments: _Array) -> _Complex:
-        """Return the lines (2, s, k) of rate and output from samples (2, s, n) of angle and output."""
-        from scipy.fft import rfft
-
-        lines = rfft(segments, axis=-1, workers=1)[..., self._lines]
-        lines -= self._detrend.slope(segments)[..., np.newaxis] * self._detrend.ramp(self._lines)
-        lines[..., self._lines == 0] = 0.0
-        lines[0] *= 2j * np.pi * self._lines / self.segment_s  # S4.4: Ω1 = j2πf·Θ1
-        kept = lines.shape[-1] - 2 * self._taper.reach
-        tapered: _Complex = sum(
-            (share * lines[..., m : m + kept] for m, share in enumerate(self._taper.kernel)),
-            start=np.zeros((*lines.shape[:-1], kept), dtype=np.complex128),
-        )
-        return tapered
-
-
-class _Detrend:
-    """The straight line through the samples of a segment, as the lines of its transform."""
-
-    def __init__(self, samples: int) -> None:
-        self._samples = samples
-        self._weights = np.arange(samples) - 0.5 * (samples - 1)
-        self._weights /= float(self._weights @ self._weights)
-
-    def slope(self, segments: _Array) -> _Array:
-        """Return the slope a sample (2, s) of segments (2, s, n)."""
-        found: _Array = segments @ self._weights
-        return found
-
-    def ramp(self, lines: NDArray[np.int64]) -> _Complex:
-        """Return the transform (k,) of 0, 1, 2 … at lines; its value at line 0 is not used."""
-        found = np.zeros(lines.size, dtype=np.complex128)
-        beyond = lines > 0
-        found[beyond] = self._samples / np.expm1(-2j * np.pi * lines[beyond] / self._samples)
-        return found
 
 
 def pooled(runs: Sequence[Spectra]) -> Spectra:
@@ -264,20 +227,6 @@ def pooled(runs: Sequence[Spectra]) -> Spectra:
         segment_s=first.segment_s,
         correlation=_fixed(variance / variance[0]),
     )
-
-
-def _lines(shape: Taper, rate_hz: float, low_hz: float, high_hz: float) -> NDArray[np.int64]:
-    """Return the numbers of the band's lines, and of those to either side that the taper takes from."""
-    segment_s = shape.samples / rate_hz
-    low = int(np.ceil(low_hz * segment_s - _EDGE * shape.samples))
-    high = int(np.floor(high_hz * segment_s + _EDGE * shape.samples))
-    if not (shape.reach < low <= high < shape.samples // 2 - shape.reach):
-        raise ValueError(
-            f"segments of {segment_s:g} s at {rate_hz:g} Hz have lines {(shape.reach + 1) / segment_s:g} …"
-            f" {(shape.samples // 2 - shape.reach - 1) / segment_s:g} Hz, found a band of {low_hz:g} …"
-            f" {high_hz:g} Hz"
-        )
-    return np.arange(low - shape.reach, high + shape.reach + 1)
 
 
 def _power(lines: _Complex) -> _Array:
