@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gyrotest.analysis.cross_spectra import CrossSpectra, Spectra, pooled
 from gyrotest.analysis.frequency_response import Response, h1, h2, hv
@@ -12,6 +13,7 @@ from gyrotest.analysis.noise_ratio import NoiseRatio, noise_ratio
 from gyrotest.analysis.response_curve import ResponseCurve, fit_response
 from gyrotest.analysis.response_repeatability import ResponseRepeatability, response_repeatability
 from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.random_vibration.noise_in_motion import noise_beyond_rest
 from gyrotest.procedures.random_vibration.parameters import RandomVibrationParameters
 from gyrotest.procedures.scaling import Scaling
 from gyrotest.procedures.vibration_channels import CUT_OFF, VibrationChannels, vibration_channels
@@ -27,6 +29,7 @@ class MeasuredResponse:
 
     Gains are those of the output as a rate by the nominal scale factor: near 1 °/s a °/s. `inverted` says
     that the output moves against the sign of that factor; the phases are less the half turn then.
+    `noise_beyond_rest` (k,) is by how much of itself a gain may err at each line for noise of unknown origin.
     """
 
     response: Response
@@ -36,6 +39,7 @@ class MeasuredResponse:
     runs: tuple[Response, ...]
     run_curves: tuple[ResponseCurve, ...]
     noise: NoiseRatio
+    noise_beyond_rest: NDArray[np.float64]
     repeatability: ResponseRepeatability | None
     segments: int
     inverted: bool
@@ -56,18 +60,18 @@ def measured_response(stream: SampleStream, context: Context) -> MeasuredRespons
     rest, *runs = _spectra(channels, parameters)
     inverted = _is_inverted(runs, parameters)
     upright = tuple(_turned(one) for one in runs) if inverted else tuple(runs)
-    return _response(upright, noise_ratio(rest), parameters, channels, inverted=inverted)
+    return _response(upright, rest, parameters, channels, inverted=inverted)
 
 
 def _response(
     runs: tuple[Spectra, ...],
-    noise: NoiseRatio,
+    rest: Spectra,
     parameters: RandomVibrationParameters,
     channels: VibrationChannels,
     *,
     inverted: bool,
 ) -> MeasuredResponse:
-    together = pooled(runs)
+    together, noise = pooled(runs), noise_ratio(rest)
     each = tuple(hv(one, noise) for one in runs)
     response = hv(together, noise)
     curves = tuple(_curve(one, parameters) for one in each)
@@ -79,6 +83,7 @@ def _response(
         runs=each,
         run_curves=curves,
         noise=noise,
+        noise_beyond_rest=noise_beyond_rest(together, rest),
         repeatability=response_repeatability(curves) if len(curves) > 1 else None,
         segments=together.segments,
         inverted=inverted,

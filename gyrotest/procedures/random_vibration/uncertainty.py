@@ -7,12 +7,14 @@ import numpy as np
 
 from gyrotest.analysis.band_polynomial import BandPolynomial
 from gyrotest.procedures.random_vibration.measured import MeasuredResponse
-from gyrotest.procedures.uncertainty import by_statistics
+from gyrotest.procedures.uncertainty import by_statistics, rectangular
 from gyrotest.procedures.vibration_budget import gain_contributions, phase_contributions
+from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Contribution
+from gyrotest.units import printed_unit
 
-_PERCENT, _SIGMAS = 100.0, 3.0
+_PERCENT, _SIGMAS, _PPM = 100.0, 3.0, 1e6
 
 
 def gain_budget(
@@ -22,6 +24,7 @@ def gain_budget(
     return (
         *_of_curve(measured.curve.log_gain, frequency_hz, abs(value)),
         *_of_amplitude_spread(measured, frequency_hz, abs(value)),
+        *_of_noise_in_motion(measured, frequency_hz, value, unit),
         *gain_contributions(context, value=value, unit=unit),
     )
 
@@ -49,6 +52,17 @@ def _of_amplitude_spread(
     if found is not None and found.amplitude.lower_95 > 0.0:
         relative = float(np.interp(frequency_hz, found.frequency_hz, found.amplitude_percent)) / _PERCENT
         yield _of_spread(value * relative, found.runs)
+
+
+def _of_noise_in_motion(
+    measured: MeasuredResponse, frequency_hz: float, value: float, unit: str
+) -> Iterator[Contribution]:
+    lines = measured.response.frequency_hz
+    share = float(np.interp(frequency_hz, lines, measured.noise_beyond_rest))
+    if share > 0.0:
+        of = f"{plain(abs(value), 4)} {printed_unit(unit)}".strip()
+        half_width = f"{plain(share * _PPM, 2)} ppm"
+        yield rectangular("noise in motion that is not at rest", half_width, of, share * abs(value))
 
 
 def _of_phase_spread(measured: MeasuredResponse, frequency_hz: float) -> Iterator[Contribution]:
