@@ -263,11 +263,12 @@ def _estimates(lines: Response, values: _Array, error: _Array, common: _Array) -
 
 def _incoherent(response: Response, floor: float) -> InsufficientDataError:
     best = int(np.argmax(response.coherence))
+    small = response.coherence[best] < floor
+    said = f"coherence is below {floor:g}" if small else f"random error is above {100.0 * _COARSEST:g} %"
     return InsufficientDataError(
-        f"the coherence is below {floor:g}, or the random error above {100.0 * _COARSEST:g} %, over the whole"
-        f" band; the coherence is {response.coherence[best]:.3f} at best, at {response.frequency_hz[best]:g}"
-        f" Hz, of {response.averages:.0f} averages: vibrate harder or longer, see that the unit and the encoder"
-        " sit on the same table and are sampled together, or lower the floor"
+        f"the {said} over the whole band; the coherence is {response.coherence[best]:.3f} at best, at"
+        f" {response.frequency_hz[best]:g} Hz, of {response.averages:.0f} averages: vibrate harder or longer,"
+        " see that the unit and the encoder sit on the same table and are sampled together, or lower the floor"
     )
 
 

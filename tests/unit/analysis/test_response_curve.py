@@ -219,7 +219,8 @@ def test_a_band_whose_ends_lack_coherence_is_a_shorter_band() -> None:
 def test_too_little_coherence_over_the_whole_band_is_refused() -> None:
     given = response(1, vibration=Vibration(truth=TRUTH, reference=1.0, output=1.0))
     with pytest.raises(
-        InsufficientDataError, match=r"below 0\.9, .* over the whole band; .* is 0\.\d+ at best, at"
+        InsufficientDataError,
+        match=r"coherence is below 0\.9 over the whole band; .* is 0\.\d+ at best, at",
     ):
         fit(given, coherence_floor=0.9)
 
@@ -238,7 +239,7 @@ def test_lines_that_are_all_but_noise_are_left_out_whatever_the_floor() -> None:
     )
     assert found.low_hz == 20.0
     np.testing.assert_allclose(found.at(PLACES[1:]).phase_deg, TRUTH.phase_deg(PLACES[1:]), atol=2.0)
-    with pytest.raises(InsufficientDataError, match="random error above 30 %"):
+    with pytest.raises(InsufficientDataError, match="random error is above 30 %"):
         fit(replace(given, error=np.full(spoilt.size, 0.5)), coherence_floor=0.0)
 
 
