@@ -31,8 +31,8 @@ def other_coefficients(case_name: str, context: Context) -> dict[str, Result]:
         known = ", ".join(f"'{one}'" for one in context.earlier) or "none"
         raise InsufficientDataError(
             f"{context.case_name}: parameters.compare_with is '{case_name}', which has no coefficients of all"
-            f" three axes (judged before this case: {known}); put a case of that name, of procedure 'g_sensitivity' and"
-            " with both placements, before this one, and run both"
+            f" three axes (judged before this case: {known}); put a case of that name, of procedure"
+            " 'g_sensitivity' and with both placements, before this one, and run both"
         )
     return there
 

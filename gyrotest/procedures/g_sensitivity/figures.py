@@ -100,7 +100,7 @@ def _binned(
         gather /= gather.sum(axis=1, keepdims=True)
         # Less what all have in common, which the bias takes up.
         gather -= 1.0 / values.size
-        variance = np.einsum("ij,jk,ik->i", gather, covariance, gather)
+        variance = np.sum(gather @ covariance * gather, axis=1)
         bars = _drawn(NORMAL_95 * np.sqrt(np.maximum(variance, 0.0)))
     return Points(x=_drawn(middle), y=_drawn(means), u=bars, label=label, series=series)
 

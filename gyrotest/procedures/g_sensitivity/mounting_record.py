@@ -27,7 +27,7 @@ from gyrotest.procedures.scaling import Scaling, output_scaling
 from gyrotest.records.plan import Context, Rotating
 from gyrotest.records.recording import Samples, Sampling
 
-_SPANS = 360
+_SPANS = 180
 _BLUR_SIGMAS = 6.0
 
 

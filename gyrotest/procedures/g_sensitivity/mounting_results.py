@@ -35,7 +35,7 @@ NOISE = "noise and drift"
 
 _Array = NDArray[np.float64]
 _DPH = 3600.0
-_MATTERS = 1e-3
+_MATTERS = 5e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -174,7 +174,7 @@ def _budget(
 
 
 def mattering(lines: list[Contribution]) -> tuple[Contribution, ...]:
-    """Leave out what is less than a thousandth of the largest line."""
+    """Leave out what is less than 0.5 % of the largest line."""
     largest = max(one.standard_uncertainty for one in lines)
     return tuple(one for one in lines if one.standard_uncertainty >= _MATTERS * largest)
 
