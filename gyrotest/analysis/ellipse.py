@@ -19,6 +19,7 @@ _MOST_UNEQUAL = 10.0
 _OF_NORMAL = 1.4826
 _CHANCE = 2.0
 _FEWEST_CLIPPED, _CLIPPED_MORE = 20, 6
+_SAME = 1e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,7 +162,8 @@ def _refuse_constant(sine: NDArray[np.float64], cosine: NDArray[np.float64]) -> 
 
 def _refuse_clipped(name: str, signal: NDArray[np.float64]) -> None:
     """Refuse a signal that stands at its greatest or least value far more often than next to it."""
-    levels, counts = np.unique(signal, return_counts=True)
+    step = _SAME * (signal.max() - signal.min())
+    levels, counts = np.unique(np.rint(signal / step) * step, return_counts=True)
     for level, most, beside in (
         (levels[0], counts[0], counts[1]),
         (levels[-1], counts[-1], counts[-2]),

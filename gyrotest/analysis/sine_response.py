@@ -52,6 +52,7 @@ class SineResponse:
     angle_residual_deg: float
     output_residual: float
     samples: int
+    periods: int
 
     @property
     def gain(self) -> float:
@@ -224,6 +225,7 @@ def _response(window: _Window) -> SineResponse:
         angle_residual_deg=angle.residual_rms,
         output_residual=output.residual_rms,
         samples=window.wave.size,
+        periods=window.periods,
     )
 
 

@@ -20,7 +20,7 @@ from gyrotest.units import printed_unit
 FEWEST_PRESENT = 0.5
 """Share of a dwell's samples that are needed, where some may be missing."""
 
-_CLIPPED_LEAST, _CLIPPED_MORE = 5, 6
+_CLIPPED_LEAST, _CLIPPED_MORE, _CLIPPED_RUN = 5, 6, 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,10 +67,11 @@ def _places(samples: Samples) -> NDArray[np.int64]:
 
 @dataclass
 class _Extreme:
-    """The greatest level so far, how often it was there, and how often the next one below was."""
+    """The greatest level so far, how often it was there and in how many runs, and how often the next one was."""
 
     level: float = -np.inf
     count: int = 0
+    runs: int = 0
     next_level: float = -np.inf
     next_count: int = 0
 
@@ -79,18 +80,21 @@ class _Extreme:
         level = float(values.max())
         if level < self.next_level:
             return
-        below = values[values < level]
-        self._put(level, int(values.size - below.size))
+        there = values == level
+        runs = int(there[0]) + int(np.count_nonzero(there[1:] & ~there[:-1]))
+        self._put(level, int(np.count_nonzero(there)), runs)
+        below = values[~there]
         if below.size:
             beside = float(below.max())
-            self._put(beside, int((below == beside).sum()))
+            self._put(beside, int(np.count_nonzero(below == beside)), 0)
 
-    def _put(self, level: float, count: int) -> None:
+    def _put(self, level: float, count: int, runs: int) -> None:
         if level > self.level:
             self.next_level, self.next_count = self.level, self.count
-            self.level, self.count = level, count
+            self.level, self.count, self.runs = level, count, runs
         elif level == self.level:
             self.count += count
+            self.runs += runs
         elif level > self.next_level:
             self.next_level, self.next_count = level, count
         elif level == self.next_level:
@@ -98,8 +102,9 @@ class _Extreme:
 
     @property
     def clipped(self) -> bool:
-        """Whether values pile up here: no sine and no noise does that."""
-        return self.count >= _CLIPPED_LEAST and self.count > _CLIPPED_MORE * self.next_count
+        """Whether the signal rests here, far more often than next to it: no sine and no noise does that."""
+        rests = self.count >= _CLIPPED_LEAST and self.count >= _CLIPPED_RUN * self.runs
+        return rests and self.count > _CLIPPED_MORE * self.next_count
 
 
 @dataclass

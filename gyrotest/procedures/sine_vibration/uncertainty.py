@@ -1,0 +1,134 @@
+"""Budgets of sensitivity and phase at a frequency: noise beside it, source, encoder, skew, the drive."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from gyrotest.procedures.sine_vibration.measured import MeasuredSines, SinePoint
+from gyrotest.procedures.uncertainty import by_statistics, rectangular
+from gyrotest.procedures.vibration_budget import (
+    gain_contributions,
+    missing_of_gain,
+    missing_of_phase,
+    phase_contributions,
+)
+from gyrotest.procedures.wording import plain
+from gyrotest.records.plan import Context
+from gyrotest.records.result import Contribution
+from gyrotest.units import printed_unit
+
+_WAVES = 2.0 * math.pi
+_ARCSEC = 3600.0
+_MATTERS_OFF = 1e-5
+_NOISE = "noise beside the frequency"
+
+
+def sensitivity_budget(
+    measured: MeasuredSines, point: SinePoint, context: Context, *, value: float, unit: str
+) -> tuple[Contribution, ...]:
+    """Return every contribution to the uncertainty of a sensitivity, which is `value` in `unit`."""
+    size = abs(value)
+    of = f"{plain(size, 4)} {printed_unit(unit)}".strip()
+    return (
+        _of_noise(point, size),
+        *gain_contributions(context, value=value, unit=unit),
+        *_of_distortion(measured, point, factor=size, of=of),
+        *_of_drive(measured, point, slope=size * _log_gain_slope(measured, point)),
+    )
+
+
+def phase_budget(measured: MeasuredSines, point: SinePoint) -> tuple[Contribution, ...]:
+    """Return every contribution to the uncertainty of a phase, °."""
+    degrees = math.degrees(1.0)
+    sampling, frequency_hz = measured.channels.sampling, point.response.frequency_hz
+    return (
+        _of_noise(point, degrees),
+        *phase_contributions(sampling, frequency_hz=frequency_hz),
+        *_of_distortion(measured, point, factor=degrees, of=f"{plain(degrees, 4)}°"),
+        *_of_drive(measured, point, slope=_phase_slope(measured, point)),
+    )
+
+
+def missing_of_sensitivity(measured: MeasuredSines, context: Context) -> tuple[str, ...]:
+    """Give what could not be had of a sensitivity's uncertainty."""
+    return (*missing_of_gain(context), *_unseen_distortion(measured))
+
+
+def missing_of_angle(measured: MeasuredSines) -> tuple[str, ...]:
+    """Give what could not be had of a phase's uncertainty."""
+    sampling = measured.channels.sampling
+    return (*missing_of_phase(sampling), *_unseen_distortion(measured))
+
+
+def distortion_share(measured: MeasuredSines, point: SinePoint) -> float:
+    """Return by how much of itself the table's amplitude may be wrong within the grating's lines.
+
+    Distorted signals make an error of angle that comes again with every line (twice and more). Of a motion
+    over many lines the most of it does not have the motion's frequency: by Bessel's J₁, 2/√(πm) at most,
+    m the amplitude as a phase of the line.
+    """
+    ellipse, line_deg = measured.channels.ellipse, measured.channels.line_deg
+    if ellipse is None or line_deg is None:
+        return 0.0
+    amplitude_deg = _amplitude_deg(point)
+    phase = _WAVES * amplitude_deg / line_deg
+    return min(1.0, 2.0 / math.sqrt(math.pi * phase)) * ellipse.harmonics / phase
+
+
+def _amplitude_deg(point: SinePoint) -> float:
+    return point.response.rate_dps / (_WAVES * point.response.frequency_hz)
+
+
+def _of_noise(point: SinePoint, factor: float) -> Contribution:
+    response = point.response
+    return by_statistics(_NOISE, factor * response.relative_uncertainty, response.degrees_of_freedom)
+
+
+def _of_distortion(
+    measured: MeasuredSines, point: SinePoint, *, factor: float, of: str
+) -> Iterator[Contribution]:
+    share = distortion_share(measured, point)
+    if share > 0.0:
+        arcsec = share * _amplitude_deg(point) * _ARCSEC
+        yield rectangular(
+            "encoder, distortion of its signals",
+            f"{plain(arcsec, 2)} arcsec",
+            f"{of} / {plain(_amplitude_deg(point), 3)}°",
+            share * factor,
+        )
+
+
+def _unseen_distortion(measured: MeasuredSines) -> tuple[str, ...]:
+    """Of an angle whose signals are not seen, errors within short ways are only known by its accuracy."""
+    seen = measured.channels.ellipse is not None
+    return () if seen else ("errors of the encoder within small angles",)
+
+
+def _of_drive(measured: MeasuredSines, point: SinePoint, *, slope: float) -> Iterator[Contribution]:
+    """Give what the response changes between the frequency that was asked for and the one that was driven."""
+    off = point.response.frequency_hz / point.asked_hz - 1.0
+    if abs(off) > _MATTERS_OFF and len(measured.points) > 1:
+        yield rectangular(
+            "frequency of the drive",
+            f"{plain(abs(off) * 1e6, 2)} ppm",
+            plain(abs(slope), 3),
+            abs(slope * off),
+        )
+
+
+def _log_gain_slope(measured: MeasuredSines, point: SinePoint) -> float:
+    """Return d ln gain/d ln f at a point; 0 where there is only one."""
+    return _slope(measured, point, [math.log(one.response.gain) for one in measured.points])
+
+
+def _phase_slope(measured: MeasuredSines, point: SinePoint) -> float:
+    """Return d phase/d ln f at a point, °."""
+    return _slope(measured, point, [one.phase_deg for one in measured.points])
+
+
+def _slope(measured: MeasuredSines, point: SinePoint, values: list[float]) -> float:
+    if len(values) < 2:
+        return 0.0
+    log_hz = np.log([one.response.frequency_hz for one in measured.points])
+    return float(np.gradient(np.array(values), log_hz)[measured.points.index(point)])
