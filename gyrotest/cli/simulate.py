@@ -4,7 +4,7 @@ import argparse
 import sys
 from typing import Any
 
-_INSTRUMENTS = ("meter", "table", "supply", "chamber", "stim210", "stim300", "line", "daq")
+_INSTRUMENTS = ("meter", "table", "supply", "chamber", "generator", "stim210", "stim300", "line", "daq")
 _MODELS = ("34401A", "34465A", "acutrol3000", "aerosmith")
 
 
