@@ -16,6 +16,7 @@ from gyrotest.ports import Clock
 from gyrotest.records.spec import Output, OutputKind, Spec
 from gyrotest.records.station import Accuracy, Encoder, Instrument, Motion, Simulation, Slot, Station
 from gyrotest.simulation.bench import SimulatedBench
+from gyrotest.simulation.peer import Peer
 from gyrotest.simulation.vibration import SteadyDrive
 from gyrotest.units import Quantity
 
@@ -77,7 +78,11 @@ class Caller:
 
     def __init__(self, address: str, clock: Clock) -> None:
         _, host, port, _ = address.split("::")
-        self._socket = socket.create_connection((host, int(port)), timeout=10.0)
+        self._socket = socket.socket()
+        # So little waits on the line that what is not taken stays with the instrument.
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 65_536)
+        self._socket.settimeout(10.0)
+        self._socket.connect((host, int(port)))
         self._file = self._socket.makefile("rb")
         self._clock = clock
 
@@ -194,11 +199,18 @@ class Bench:
 
 @contextmanager
 def bench(
-    made: Station, *, drive: SteadyDrive | None = None, serial_number: str = "1"
+    made: Station,
+    *,
+    drive: SteadyDrive | None = None,
+    serial_number: str = "1",
+    spec: Spec = SPEC,
+    supply: Peer | None = None,
 ) -> Iterator[Bench]:
-    with SimulatedBench(made, SPEC) as served:
+    with SimulatedBench(made, spec) as served:
         if drive is not None:
             served._peers["exciter"] = drive
+        if supply is not None:
+            served._peers["supply"] = supply
         for slot in made.slots:
             served.insert(slot=slot, serial_number=serial_number)
         caller = Caller(served.address("daq"), served.clock)
