@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from gyrotest.analysis.interval import NORMAL_95
 from gyrotest.analysis.response_curve import CurvePoints, bandwidth, quarter_turn
 from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.random_vibration.least_coherence import coherence_text
 from gyrotest.procedures.random_vibration.measured import MeasuredResponse
 from gyrotest.procedures.random_vibration.parameters import RandomVibrationParameters
 from gyrotest.procedures.random_vibration.pointwise import phase_result, scale_in, sensitivity_result
@@ -229,7 +230,7 @@ def _row(measured: MeasuredResponse, frequency_hz: float, context: Context) -> t
         amplitude,
         *_cells(phase_result(measured, frequency_hz)),
         phase,
-        Cell(text=f"{coherence:.5f}"),
+        Cell(text=coherence_text(coherence)),
     )
 
 

@@ -36,3 +36,8 @@ def least_coherence(coherence: NDArray[np.float64], *, averages: float) -> Least
     return LeastCoherence(
         value=least, lower_95=math.tanh(max(low, 0.0)) ** 2, upper_95=math.tanh(high) ** 2
     )
+
+
+def coherence_text(value: float) -> str:
+    """Return a coherence with the first two digits by which it is less than 1."""
+    return f"{value:.{min(max(1 - math.floor(math.log10(max(1.0 - value, 1e-9))), 2), 9)}f}"

@@ -1,10 +1,9 @@
 """How well the response is known: the coherence, and how far the other estimators are from Hv."""
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
+from gyrotest.procedures.random_vibration.least_coherence import coherence_text
 from gyrotest.procedures.random_vibration.measured import MeasuredResponse
 from gyrotest.procedures.random_vibration.parameters import RandomVibrationParameters
 from gyrotest.procedures.random_vibration.stretches import log_bins
@@ -25,11 +24,11 @@ def quality_figure(measured: MeasuredResponse, context: Context) -> Figure:
         title="Coherence",
         width=Width.HALF,
         panels=(_coherence_panel(measured, context), _estimator_panel(measured)),
-        note=f"least {_coherence_text(lowest)}",
+        note=f"least {coherence_text(lowest)}",
         caption="Top: coherence of encoder and output, all runs together; dashed: the floor below which"
         " frequencies are left out. Bottom: what estimators give instead that take all noise to be on the output"
         f" (H1) or on the encoder (H2). {_ratio_words(measured)}",
-        alt=f"Coherence over frequency, {_coherence_text(lowest)} at least",
+        alt=f"Coherence over frequency, {coherence_text(lowest)} at least",
     )
 
 
@@ -49,11 +48,6 @@ def _round_number(value: float) -> str:
         return plain(value, 2)
     digits, power = f"{value:.1e}".split("e")
     return f"{digits}·10{str(int(power)).translate(_SUPERSCRIPTS)}"
-
-
-def _coherence_text(value: float) -> str:
-    """Return a coherence with the first two digits by which it is less than 1."""
-    return f"{value:.{min(max(1 - math.floor(math.log10(max(1.0 - value, 1e-9))), 2), 9)}f}"
 
 
 def _coherence_panel(measured: MeasuredResponse, context: Context) -> Panel:
