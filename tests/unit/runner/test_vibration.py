@@ -3,10 +3,12 @@
 from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from gyrotest.acquisition.progress import Silence
 from gyrotest.acquisition.vibrating import VibrationByHand, VibrationRecorded, VibrationTable
 from gyrotest.errors import InstrumentError
 from gyrotest.ports import Source
@@ -15,9 +17,17 @@ from gyrotest.records.recording import Block, Identity, Sampling
 from gyrotest.records.spec import Output, OutputKind, Spec
 from gyrotest.records.station import Encoder, Instrument, Simulation, Slot, Station
 from gyrotest.runner.bench import Bench, SimulationChoice
+from gyrotest.runner.door import Order, open_run
 from gyrotest.runner.fitness import plan_faults
+from gyrotest.runner.flow import UnitRun
+from gyrotest.runner.items import planned_case
+from gyrotest.runner.taking import Taking
 from gyrotest.simulation.generator_peer import GeneratorPeer
+from gyrotest.simulation.serve import Standalone
+from gyrotest.specification.spec import load_spec
+from gyrotest.specification.station import load_station
 from gyrotest.units import Quantity
+from tests.plugin.project import TINY
 
 GRATING = Encoder(sine="ua", cosine="ub", lines=9000)
 SETTINGS = {"sensitivity": "20 deg/s/V", "max_voltage": "5 V", "max_rate": "40 deg/s"}
@@ -187,3 +197,56 @@ def test_a_drive_that_does_not_answer_is_told_before_the_first_sample() -> None:
         pytest.raises(InstrumentError, match=r"127\.0\.0\.1::1"),
     ):
         bench.stimulation("a", shaken(), source=Something())
+
+
+BY_HAND = """
+name: bench
+line_frequency: 50 Hz
+instruments:
+  meter: {driver: agilent34401a, resource: '%s', settings: {nplc: 0.02}}
+slots:
+  a: {source: meter}
+"""
+
+
+def test_a_vibration_set_by_hand_is_asked_for_and_told_on_the_certificate(tmp_path: Path) -> None:
+    def steps(*stimuli: Vibrating) -> Plan:
+        made = (Step(samples=3, name=f"{one.excitation}", stimulus=one) for one in stimuli)
+        return Plan(warm_up_s=0.0, interval_s=0.1, steps=tuple(made))
+
+    asked: list[str] = []
+    (tmp_path / "spec.yaml").write_text(TINY, encoding="utf-8")
+    with Standalone("meter", fast=True) as meter:
+        (tmp_path / "station.yaml").write_text(BY_HAND % meter.address, encoding="utf-8")
+        order = Order(
+            spec=load_spec(tmp_path / "spec.yaml"),
+            station=load_station(tmp_path / "station.yaml"),
+            serial_numbers=("1234",),
+            out=tmp_path / "reports",
+        )
+        folder, header = open_run(order, "1234", "a")
+        with closing(Bench(order.station.station, order.spec.spec, SimulationChoice())) as bench:
+            run = UnitRun(
+                folder=folder,
+                header=header,
+                bench=lambda: bench,
+                progress=Silence(),
+                confirm=asked.append,
+            )
+            part = run.takes_part(header.plan[0])
+            random = Vibrating(excitation=Excitation.RANDOM, rms_dps=8.0, low_hz=5.0, high_hz=100.0)
+            plan = steps(Vibrating(excitation=Excitation.NONE), random, random)
+            planned = replace(planned_case("rest", order.spec.spec), plan=plan)
+            Taking([part], planned, bench=bench, progress=Silence(), confirm=asked.append).acquire()
+    assert asked == [
+        "rest-1234-r1: switch the vibration table off and wait until it rests",
+        "rest-1234-r1: set the vibration table to random vibration of 8 °/s rms from 5 to 100 Hz and switch"
+        " it on",
+    ]
+    assert part.attempt.remarks[:2] == (
+        "Vibration set by hand, as the operator confirmed: at rest.",
+        "Vibration set by hand, as the operator confirmed: random vibration of 8 °/s rms from 5 to 100 Hz.",
+    )
+    assert folder.attempts(part.item.name)[-1].remarks == part.attempt.remarks
+    assert part.attempt.recording is not None
+    assert [one.vibration_dps for one in part.attempt.recording.dwells] == [0.0, 8.0, 8.0]

@@ -1,10 +1,13 @@
 """The simulated generator: what it gives follows from when it was told what, and from nothing else."""
 
+import argparse
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.signal import welch
 
+from gyrotest.cli.simulate import add_simulate
 from gyrotest.errors import RefusedError, StationError
 from gyrotest.simulation.clock import VirtualClock
 from gyrotest.simulation.generator_noise import BandNoise
@@ -13,7 +16,7 @@ from gyrotest.simulation.meter_state import Interface
 from gyrotest.simulation.occasion import Occasion
 from gyrotest.simulation.peer import Exciting
 from gyrotest.simulation.peers import peer_class
-from gyrotest.simulation.serve import Standalone
+from gyrotest.simulation.serve import KINDS, Standalone
 from tests.instruments.exciter_bench import exciter, station
 
 NOISE = "OUTP:LOAD INF;:FUNC NOIS;:VOLT:UNIT VRMS;:VOLT 0.5;:FUNC:NOIS:BAND 100;:OUTP ON"
@@ -217,3 +220,12 @@ def test_it_is_served_alone_for_any_program() -> None:
         assert served.address.startswith("TCPIP::127.0.0.1::")
     with pytest.raises(RefusedError, match="leave --fast out"):
         Standalone("generator", fast=True)
+
+
+@pytest.mark.parametrize("instrument", list(KINDS))
+def test_every_instrument_that_can_be_served_alone_is_a_choice_on_the_command_line(
+    instrument: str,
+) -> None:
+    parser = argparse.ArgumentParser()
+    add_simulate(parser)
+    assert parser.parse_args([instrument]).instrument == instrument
