@@ -74,7 +74,7 @@ class TestCheck:
         assert main(["check", str(shipped_specs() / "mems50.yaml"), str(STATION)]) == 0
         first, second = capsys.readouterr().out.splitlines()
         assert first.endswith("mems50.yaml: a good spec of MEMS50 (1 case)")
-        assert second.endswith("simulated.yaml: a good station, 'Simulated bench' (7 instruments)")
+        assert second.endswith("simulated.yaml: a good station, 'Simulated bench' (11 instruments)")
 
     def test_one_bad_file_does_not_hide_the_others(self, tmp_path: Path, capsys: Capture) -> None:
         assert main(["check", str(tmp_path / "none.yaml"), str(STATION)]) == 1
