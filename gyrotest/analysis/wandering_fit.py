@@ -14,7 +14,9 @@ _STEP = 0.85
 _SAME = 1e-3
 # A wander that the values do not resolve is not a wander that is absent: parts of the standard
 # uncertainties of B² and K² that join them.
-_PRUDENCE = np.array([0.0, 0.2, 0.05])
+_PRUDENCE = np.array([0.0, 0.2, 0.02])
+_WALK = 2
+_RESOLVED = 2.0
 _FEWEST_FREEDOM = 4.0
 _RANK = 1e-9
 
@@ -94,7 +96,8 @@ def wandering_fit(values: _Array, design: _Array, spans: Spans, *, since_s: floa
     Generalised least squares, its covariance C = N²·C_N + B²·C_B + K²·C_K with the three covariances of
     means that `gyrotest.analysis.step_noise` gives. The squares are those of restricted maximum
     likelihood, tr(PC_j) = yᵀPC_jPy with P = C⁻¹ − C⁻¹A(AᵀC⁻¹A)⁻¹AᵀC⁻¹ (Patterson and Thompson, 1971), by
-    scoring without negative squares; the degrees of freedom of a variance follow from their information
+    scoring without negative squares; a random walk that is not resolved is taken for none, but for a prudent
+    share of its uncertainty. The degrees of freedom of a variance follow from their information
     (Satterthwaite). So a bias that wanders from turn to turn is in the uncertainty, and is weighed down
     where it wanders most.
     """
@@ -108,36 +111,39 @@ def wandering_fit(values: _Array, design: _Array, spans: Spans, *, since_s: floa
         )
     # Of white noise alone, to begin with.
     squares = np.array([level * float(np.mean(spans.durations_s)), 0.0, 0.0])
-    for _ in range(_ROUNDS):
-        round_ = _Round.of(values, design, terms, squares)
-        found = squares + _STEP * (round_.squares - squares)
-        change = np.abs(found - squares) * round_.scale
-        squares = found
-        if change.max() <= _SAME * float((squares * round_.scale).max()):
-            break
-    last = _Round.of(values, design, terms, squares)
+    last = _settled(values, design, terms, squares)
+    if last.squares[_WALK] < _RESOLVED * np.sqrt(last.square_covariance[_WALK, _WALK]):
+        last = _settled(values, design, terms[:_WALK], last.squares[:_WALK])
+        last = _Round.of(values, design, terms, np.append(last.squares, 0.0))
     coefficients = last.weights @ values
     return WanderingFit(
         coefficients=coefficients,
         weights=last.weights,
         residuals=values - design @ coefficients,
-        squares=squares,
+        squares=last.squares,
         terms=terms,
-        square_covariance=np.linalg.inv(last.correlated) / np.outer(last.scale, last.scale),
+        square_covariance=last.square_covariance,
     )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Round:
-    """What one set of squares leads to: weights of the coefficients, and the next squares.
+    """What a set of squares leads to: weights of the coefficients, and the next squares.
 
     The information on the squares is `correlated` times the outer product of `scale`.
     """
 
+    squares: _Array
     weights: _Array
     correlated: _Array
-    squares: _Array
     scale: _Array
+    following: _Array
+
+    @property
+    def square_covariance(self) -> _Array:
+        """The covariance of the squares: the inverse of the information."""
+        inverse: _Array = np.linalg.inv(self.correlated) / np.outer(self.scale, self.scale)
+        return inverse
 
     @classmethod
     def of(cls, values: _Array, design: _Array, terms: _Array, squares: _Array) -> "_Round":
@@ -154,10 +160,26 @@ class _Round:
         scale = np.sqrt(np.diag(information))
         correlated = information / np.outer(scale, scale) + _RANK * np.eye(len(terms))
         factor = np.linalg.cholesky(correlated)
-        found, _ = nnls(factor.T, np.linalg.solve(factor, score / scale))
+        following, _ = nnls(factor.T, np.linalg.solve(factor, score / scale))
         return cls(
-            weights=np.asarray(weights), correlated=correlated, squares=found / scale, scale=scale
+            squares=squares,
+            weights=np.asarray(weights),
+            correlated=correlated,
+            scale=scale,
+            following=following / scale,
         )
+
+
+def _settled(values: _Array, design: _Array, terms: _Array, squares: _Array) -> _Round:
+    """Go on from round to round until the squares stay."""
+    for _ in range(_ROUNDS):
+        last = _Round.of(values, design, terms, squares)
+        found = squares + _STEP * (last.following - squares)
+        change = np.abs(found - squares) * last.scale
+        squares = found
+        if change.max() <= _SAME * float((squares * last.scale).max()):
+            break
+    return _Round.of(values, design, terms, squares)
 
 
 def _refuse_singular(design: _Array) -> None:

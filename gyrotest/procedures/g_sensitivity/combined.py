@@ -126,7 +126,6 @@ def _cross_axes(found: Mountings) -> Iterator[Result]:
             expanded_uncertainty=measured.expanded_uncertainty,
             coverage_factor=measured.coverage_factor,
             condition=f"mounting {one.number + 1}",
-            budget=measured.budget,
             not_included=measured.not_included,
         )
 
@@ -146,10 +145,10 @@ def _agreement(found: Mountings) -> Iterator[Result]:
     yield worst
     yield Result(
         name=AGREEMENT,
-        label="Agreement of the mountings, |difference|/U",
-        value=agreement_of(worst),
-        unit="",
-        condition=f"{worst.condition}; up to 1 they agree within the expanded uncertainty of the difference",
+        label="Difference of the mountings over its U",
+        value=100.0 * agreement_of(worst),
+        unit="%",
+        condition=f"{worst.condition}; up to 100 % they agree within the expanded uncertainty of the difference",
         not_included=found.not_included,
     )
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from gyrotest.analysis.mounting import AXES
 from gyrotest.procedures.g_sensitivity.measurands import PER_G, coefficient_name, mounted_name
 from gyrotest.procedures.g_sensitivity.repeats import Mountings
-from gyrotest.procedures.wording import ending, places_of, plain
+from gyrotest.procedures.wording import ending, places_of
 from gyrotest.records.figure import Figure
 from gyrotest.records.result import Result
 from gyrotest.records.table import Cell, Column, Table
@@ -56,7 +56,7 @@ def _cells(one: Result | None) -> tuple[Cell, Cell]:
     uncertainty = one.expanded_uncertainty * factor
     return (
         Cell(text=ending(one.value * factor, places_of(uncertainty))),
-        Cell(text=plain(uncertainty, 2)),
+        Cell(text=ending(uncertainty, places_of(uncertainty))),
     )
 
 

@@ -48,10 +48,10 @@ def comparison_results(own: tuple[Result, ...], case_name: str, context: Context
     worst = max(differences, key=agreement_of)
     yield Result(
         name=METHOD_AGREEMENT,
-        label="Agreement of the methods, |difference|/U",
-        value=agreement_of(worst),
-        unit="",
-        condition=f"largest of all axes, to case '{case_name}'; up to 1 they agree within the expanded"
+        label="Difference of the methods over its U",
+        value=100.0 * agreement_of(worst),
+        unit="%",
+        condition=f"largest of all axes, to case '{case_name}'; up to 100 % they agree within the expanded"
         " uncertainty of the difference",
         not_included=worst.not_included,
     )

@@ -17,8 +17,9 @@ from gyrotest.procedures.wording import plain
 from gyrotest.records.figure import Curve, Figure, Panel, Points, Role
 
 _Array = NDArray[np.float64]
-_BIN_DEG = 15.0
 _DRAWN = 121
+_HAIR_DEG = 1.0
+_WAYS = ((1, "forward"), (0, "back"), (-1, "at rest"))
 
 
 def mounting_figures(found: MountingRecord, results: MountingResults) -> tuple[Figure, ...]:
@@ -31,7 +32,7 @@ def _angle_figure(found: MountingRecord, unit: Unit) -> Figure:
     drift, left = found.found.drift * unit.factor, found.found.fit.residuals * unit.factor
     covariance = found.found.fit.noise_covariance * unit.factor**2
     turning = found.found.arcs.turns
-    what = f"all turns, {_BIN_DEG:g}° each" if turning else "each position"
+    what = f"all turns, {plain(found.span_s, 2)} s each" if turning else "each position"
     angles = np.linspace(0.0, 360.0, _DRAWN)
     return Figure(
         name="drift_over_angle",
@@ -57,7 +58,7 @@ def _angle_figure(found: MountingRecord, unit: Unit) -> Figure:
         caption=f"Top: output less bias, Earth's rate and what follows the turning, means over {what}; line: the"
         " fitted drift by gravity. Bottom: what the fit leaves; bars: 95 % of the noise of each mean.",
         alt=f"Drift of {plain(float(np.ptp(drift)), 3)} {unit.name} from least to greatest over a turn of the"
-        f" shaft, residuals within {plain(float(np.abs(_means(found, left)).max()), 3)} {unit.name}",
+        f" shaft, residuals of {plain(float(left.std()), 3)} {unit.name} (one standard deviation)",
     )
 
 
@@ -69,47 +70,48 @@ def _model(found: MountingRecord, angles: _Array) -> _Array:
 
 
 def _points(found: MountingRecord, values: _Array, covariance: _Array | None) -> Iterator[Points]:
-    """Give the means over bins of the angle, each direction of turning by itself."""
-    forward = np.array([-1 if one.forward is None else int(one.forward) for one in found.steps])
-    ways = ((1, "forward"), (0, "back"), (-1, "at rest"))
-    for series, (way, label) in enumerate(ways):
-        chosen = np.flatnonzero(forward[found.record.step] == way)
+    """Give the means over all turns of a direction, span by span, and over all that was taken at rest."""
+    step = found.record.step
+    forward = np.array([-1 if one.forward is None else int(one.forward) for one in found.steps])[step]
+    starts = np.flatnonzero(np.diff(step, prepend=-1))
+    within = np.arange(step.size) - np.repeat(starts, np.diff(np.append(starts, step.size)))
+    for series, (way, label) in enumerate(_WAYS):
+        chosen = np.flatnonzero(forward == way)
         if chosen.size:
-            yield _binned(found, values, covariance, chosen, label=label, series=series)
+            at_rest = np.round(found.record.angle_deg[chosen]) % 360.0
+            key = at_rest if way < 0 else within[chosen]
+            yield _grouped(found, values, covariance, chosen, key, label=label, series=series)
 
 
-def _binned(
+def _grouped(
     found: MountingRecord,
     values: _Array,
     covariance: _Array | None,
     chosen: NDArray[np.intp],
+    key: NDArray[np.float64] | NDArray[np.intp],
     *,
     label: str,
     series: int,
 ) -> Points:
-    angle = found.record.angle_deg[chosen]
-    # An angle at rest at 0 may be read as a hair less.
-    place = np.floor((angle + 0.01) % 360.0 / _BIN_DEG).astype(np.intp)
-    bins, inverse = np.unique(place, return_inverse=True)
-    middle = np.bincount(inverse, weights=(angle + 0.01) % 360.0) / np.bincount(inverse)
-    means = np.bincount(inverse, weights=values[chosen]) / np.bincount(inverse)
+    groups, inverse = np.unique(key, return_inverse=True)
+    gather = np.zeros((groups.size, values.size))
+    gather[inverse, chosen] = 1.0
+    gather /= gather.sum(axis=1, keepdims=True)
+    circle = found.record.arcs.circle
+    angles = np.degrees(np.arctan2(gather @ circle.sine, gather @ circle.cosine))
     bars: tuple[float, ...] = ()
     if covariance is not None:
-        gather = np.zeros((bins.size, values.size))
-        gather[inverse, chosen] = 1.0
-        gather /= gather.sum(axis=1, keepdims=True)
         # Less what all have in common, which the bias takes up.
-        gather -= 1.0 / values.size
-        variance = np.sum(gather @ covariance * gather, axis=1)
-        bars = _drawn(NORMAL_95 * np.sqrt(np.maximum(variance, 0.0)))
-    return Points(x=_drawn(middle), y=_drawn(means), u=bars, label=label, series=series)
-
-
-def _means(found: MountingRecord, values: _Array) -> _Array:
-    place = np.floor(found.record.angle_deg / _BIN_DEG).astype(np.intp) % round(360.0 / _BIN_DEG)
-    _, inverse = np.unique(place, return_inverse=True)
-    means: _Array = np.bincount(inverse, weights=values) / np.bincount(inverse)
-    return means
+        apart = gather - 1.0 / values.size
+        bars = _drawn(NORMAL_95 * np.sqrt(np.maximum(np.sum(apart @ covariance * apart, axis=1), 0.0)))
+    # An angle at rest at 0 may be read as a hair less.
+    return Points(
+        x=_drawn((angles + _HAIR_DEG) % 360.0 - _HAIR_DEG),
+        y=_drawn(gather @ values),
+        u=bars,
+        label=label,
+        series=series,
+    )
 
 
 def _time_figure(found: MountingRecord, results: MountingResults, unit: Unit) -> Figure:

@@ -27,6 +27,7 @@ from gyrotest.records.result import Contribution
 from gyrotest.records.spec import OutputKind
 
 _Array = NDArray[np.float64]
+_DEGREES = "°"
 _ROOT_3 = math.sqrt(3.0)
 _BEGIN_S = 0.5
 """How long after the end of its run-up the first sample of a turn may have been taken."""
@@ -119,8 +120,8 @@ def combined_lines(
                 source=first.source,
                 kind="B",
                 distribution="normal" if first.normal else "rectangular",
-                half_width=f"{plain(first.half, 3)} {first.unit}",
-                sensitivity=f"{plain(half / first.half, 2)} {unit}/{first.unit}",
+                half_width=f"{plain(first.half, 3)}{'' if first.unit == _DEGREES else ' '}{first.unit}",
+                sensitivity=f"{plain(half / first.half, 2)} ({unit})/{first.unit}",
                 standard_uncertainty=half / first.divisor,
             )
 
@@ -131,19 +132,21 @@ def _of_shaft(fitted: FittedShaft, unit: Mounted, own: _Array) -> Iterator[Influ
         one.to("deg")
         for one in (shaft.azimuth_uncertainty, shaft.index_uncertainty, shaft.tilt_uncertainty)
     )
-    yield _simple("azimuth of the shaft", azimuth, "°", azimuth_error(fitted, azimuth))
-    yield _simple("angle 0 of the stage", index, "°", index_error(fitted, index))
+    yield _simple("azimuth of the shaft", azimuth, _DEGREES, azimuth_error(fitted, azimuth))
+    yield _simple("angle 0 of the stage", index, _DEGREES, index_error(fitted, index))
     # The largest of the coefficients stands for one that this mounting does not show.
     along = float(own[unit.along]) or float(np.abs(own).max())
     largest = abs(unit.pose.tilt_deg) + tilt
-    yield _simple("tilt of the shaft", largest, "°", tilt_error(fitted, tilt, along))
+    yield _simple("tilt of the shaft", largest, _DEGREES, tilt_error(fitted, tilt, along))
 
 
 def _of_encoder(fitted: FittedShaft, bench: Bench) -> Iterator[Influence]:
     encoder, sampling = bench.context.encoder, bench.sampling
     if encoder is not None and encoder.accuracy is not None:
         half = encoder.accuracy.to("deg")
-        yield Influence(source="encoder", half=half, unit="°", patterns=encoder_errors(fitted, half))
+        yield Influence(
+            source="encoder", half=half, unit=_DEGREES, patterns=encoder_errors(fitted, half)
+        )
     if not fitted.arcs.turns:
         return
     if sampling is not None and sampling.skew_uncertainty_s:
@@ -182,7 +185,9 @@ def _of_placement(fitted: FittedShaft, unit: Mounted, own: _Array, bench: Bench)
         known[unit.along] = np.abs(own).max()
     half = bench.placement_deg
     effect = placement_error(fitted, half, unit.axes, known, unit.sensitive)
-    return Influence(source=PLACEMENT, half=half, unit="°", patterns=(effect[np.newaxis],), single=True)
+    return Influence(
+        source=PLACEMENT, half=half, unit=_DEGREES, patterns=(effect[np.newaxis],), single=True
+    )
 
 
 def _simple(source: str, half: float, unit: str, effect: _Array) -> Influence:

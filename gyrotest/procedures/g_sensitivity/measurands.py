@@ -75,7 +75,7 @@ def _over_mountings(parameters: GSensitivityParameters) -> Iterator[Measurand]:
                     over=over,
                 )
     yield _per_g(DIFFERENCE, "Doubly measured coefficient, difference", over)
-    yield _ratio(AGREEMENT, "Agreement of the mountings, |difference|/U", over)
+    yield _ratio(AGREEMENT, "Difference of the mountings over its U", over)
     yield _drift(BEFORE, "Drift before compensation", over)
     yield _drift(AFTER, "Drift after compensation", over)
     if parameters.compare_with is not None:
@@ -83,7 +83,7 @@ def _over_mountings(parameters: GSensitivityParameters) -> Iterator[Measurand]:
             yield _per_g(
                 method_difference_name(axis), f"g-sensitivity {axis}, less the other method's", over
             )
-        yield _ratio(METHOD_AGREEMENT, "Agreement of the methods, |difference|/U", over)
+        yield _ratio(METHOD_AGREEMENT, "Difference of the methods over its U", over)
 
 
 def _per_g(name: str, label: str, over: Over | None = None) -> Measurand:
@@ -93,7 +93,7 @@ def _per_g(name: str, label: str, over: Over | None = None) -> Measurand:
 
 
 def _ratio(name: str, label: str, over: Over) -> Measurand:
-    return Measurand(name=name, label=label, dimension=Dimension.NUMBER, unit="", over=over)
+    return Measurand(name=name, label=label, dimension=Dimension.NUMBER, unit="%", over=over)
 
 
 def _drift(name: str, label: str, over: Over | None = None) -> Measurand:
