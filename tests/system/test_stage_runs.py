@@ -101,6 +101,8 @@ def test_a_stage_turns_within_its_turn_and_the_record_says_how(tmp_path: Path, d
         record = ran.carry_out()
         assert ran.said == {}
         recordings = [ran.attempt(one).recording for one in (FIRST, SECOND)]
+        # Nobody was asked: the simulated bench mounts its units itself.
+        assert "Mounted turned by 90° about its own x axis." in ran.attempt(SECOND).remarks
         assert seen[-1] == pytest.approx(0.0, abs=0.3)
     assert record.verdict is Verdict.PASS
     assert -0.5 <= min(seen) <= 0.5 < 345.0 < max(seen) <= 360.5
