@@ -71,7 +71,7 @@ def _draw_panel(axes: "Axes", panel: Panel) -> None:
     if panel.bars:
         _draw_bars(axes, panel.bars)
     for curve in panel.curves:
-        if panel.points and _is_level(curve):
+        if _is_level(curve, panel):
             axes.axhline(curve.y[0], **_look(curve))
             axes.update_datalim(list(zip(curve.x, curve.y, strict=True)))
         else:
@@ -110,9 +110,11 @@ def _draw_curve(axes: "Axes", curve: Curve) -> None:
         axes.add_line(line)
 
 
-def _is_level(curve: Curve) -> bool:
-    """Whether it holds for all points of its panel, so that it runs from frame to frame."""
-    return curve.role in _LEVELS and len(set(curve.y)) == 1
+def _is_level(curve: Curve, panel: Panel) -> bool:
+    """Whether it holds for the points of its panel, not for a few, so that it runs from frame to frame."""
+    places = [x for points in panel.points for x in points.x]
+    within = sum(min(curve.x) <= x <= max(curve.x) for x in places) if curve.x else 0
+    return curve.role in _LEVELS and len(set(curve.y)) == 1 and 0 < len(places) <= 2 * within
 
 
 def _look(curve: Curve) -> dict[str, Any]:
