@@ -50,7 +50,8 @@ class Carriage:
     """How an axis sits on the table: its share of the table's rate, and of the Earth's, deg/s.
 
     The latter at a table angle `θ` is `earth_dps + earth_cos_dps·cos θ + earth_sin_dps·sin θ`. `force_g`
-    is the specific force along the unit's own axes, by their names, as far as it is known.
+    is the specific force along the unit's own axes, by their names, as far as it is known. `staged`: on a
+    stage that turns it in gravity, whose effect is told apart from the bias there and is part of it elsewhere.
     """
 
     table_share: float
@@ -58,6 +59,7 @@ class Carriage:
     earth_cos_dps: float = 0.0
     earth_sin_dps: float = 0.0
     force_g: Mapping[str, Swing] | None = None
+    staged: bool = False
 
     def earth_at_dps(self, from_deg: NDArray[np.float64], to_deg: NDArray[np.float64]) -> Direction:
         """The mean of the Earth's share while the table turns evenly from one angle to another."""
@@ -119,6 +121,7 @@ def carriage(
     site: Site | None,
     own: Mapping[str, Direction],
     share: float | None = None,
+    staged: bool = False,
 ) -> Carriage:
     """How an axis sits on what turns about another one; `own` are axes of the unit that feel gravity.
 
@@ -133,6 +136,7 @@ def carriage(
         force_g={
             name: _swing(each, about, gravity_g(site) * np.array(_UP)) for name, each in own.items()
         },
+        staged=staged,
     )
 
 

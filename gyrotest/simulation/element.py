@@ -87,7 +87,7 @@ class Element:
         found = {
             "turn_on_bias_dps": bias,
             "mean_drift_dps": drift,
-            "bias_dps": bias + drift,
+            "bias_dps": bias + drift + (0.0 if self.carriage.staged else self._force.at_rest),
             "input_rate_dps": gyro.input_rate_dps,
             "earth_dps": self.carriage.at_rest_dps,
             "table_share": self.carriage.table_share,

@@ -94,6 +94,7 @@ def stage_carriages(
             stage[1],
             site=site,
             own=own,
+            staged=True,
         )
         for axis in axes
     )

@@ -171,3 +171,7 @@ def test_gravity_along_its_own_axes_makes_a_drift_that_its_truth_tells() -> None
     acting = replace(turned([0.0] * len(ANGLES)), from_deg=angles, to_deg=angles)
     assert one.rates_dps(ON, 1000.0 + angles, acting) == pytest.approx(expected)
     assert one.still_rate_dps(ON, 1000.0, 1.0) == pytest.approx(0.5 * y + z)
+    # Away from a stage it cannot be told from the bias.
+    assert truth["bias_dps"] == pytest.approx(0.5 * y + z)
+    staged = Element(one.axis, gyro, replace(sits, staged=True), dice)
+    assert staged.truth(ON, 1000.0, 10.0)["bias_dps"] == 0.0
