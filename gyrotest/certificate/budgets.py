@@ -1,6 +1,7 @@
-"""Uncertainty budgets: of each result the first one in full, of its other axes and repeats the sum."""
+"""Uncertainty budgets: of each result the first one in full, of its other settings, axes and repeats the sum."""
 
 import math
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import groupby
@@ -11,6 +12,9 @@ from gyrotest.certificate.printing import numbers_in_words
 from gyrotest.records.result import Contribution, JudgedResult
 from gyrotest.records.run import RunRecord
 from gyrotest.units import printed_unit
+
+# What tells results of one kind apart: `sensitivity_20Hz`.
+_SETTING = re.compile(r"_\d[^_]*$")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,7 +32,7 @@ class BudgetLine:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Budget:
-    """The uncertainty budget of a result; `others` tells what the other axes and repeats gave."""
+    """The uncertainty budget of a result; `others` tells what other settings, axes and repeats gave."""
 
     label: str
     unit: str
@@ -41,13 +45,19 @@ class Budget:
 
 
 def budgets(record: RunRecord) -> tuple[Budget, ...]:
-    """Give the budget of the first axis and repeat of each result that has one."""
-    chosen: dict[tuple[str, str], list[JudgedResult]] = {}
+    """Give the budget of the first setting, axis and repeat of each kind of result that has one."""
+    chosen: dict[tuple[str, str, tuple[str, ...]], list[JudgedResult]] = {}
     for result in in_order(record):
         if result.budget:
-            chosen.setdefault((result.case, result.name), []).append(result)
-    several = len({case for case, _ in chosen}) > 1
+            chosen.setdefault((result.case, *_kind(result)), []).append(result)
+    several = len({case for case, *_ in chosen}) > 1
     return tuple(_budget(results, named=several) for results in chosen.values())
+
+
+def _kind(result: JudgedResult) -> tuple[str, tuple[str, ...]]:
+    """What results have in common whose budgets differ in numbers alone; a single setting is its own kind."""
+    kind, settings = _SETTING.subn("", result.name)
+    return kind, tuple(one.source for one in result.budget) if settings else ()
 
 
 def _budget(results: list[JudgedResult], *, named: bool) -> Budget:
@@ -88,8 +98,23 @@ def _others(results: list[JudgedResult]) -> str:
     """The combined uncertainties of all but the first."""
     if len(results) < 2:
         return ""
-    told = "; ".join(_of_axes(results[1:]))
+    if any(one.name != results[0].name for one in results):
+        told = "; ".join(_of_settings(results))
+    else:
+        told = "; ".join(_of_axes(results[1:]))
     return f"Combined standard uncertainty of the others: {told} {printed_unit(results[0].unit)}."
+
+
+def _of_settings(results: list[JudgedResult]) -> Iterator[str]:
+    """Of each setting its axes and repeats; the first one of all is printed in full."""
+    for _, same in groupby(results, key=lambda one: one.name):
+        of_setting = list(same)
+        setting = of_setting[0].label.rpartition(", ")[2]
+        rest = [one for one in of_setting if one is not results[0]]
+        if len(of_setting) == 1:
+            yield from (f"{setting}: {significant(_combined(one.budget), digits=2)}" for one in rest)
+        elif rest:
+            yield f"{setting}, {', '.join(_of_axes(rest))}"
 
 
 def _of_axes(results: list[JudgedResult]) -> Iterator[str]:

@@ -239,3 +239,19 @@ def test_what_belongs_to_no_axis_comes_before_them() -> None:
 def test_records_of_several_axes_come_back_from_json(name: str) -> None:
     record = getattr(bench_records, name)()
     assert read_record(record_bytes(record)) == record
+
+
+def test_results_that_differ_in_a_setting_share_a_budget() -> None:
+    record = records.passing()
+    like = next(one for one in record.results if one.budget)
+    at_frequencies = tuple(
+        dataclasses.replace(
+            like, repeat=1, name=f"sensitivity_{hertz}Hz", label=f"Sensitivity, {hertz} Hz"
+        )
+        for hertz in (5, 20, 100)
+    )
+    (found,) = budgets(dataclasses.replace(record, results=at_frequencies))
+    assert found.label == "sensitivity, 5 Hz"
+    assert found.others == (
+        "Combined standard uncertainty of the others: 20 Hz: 0.0018; 100 Hz: 0.0018 °/s."
+    )
