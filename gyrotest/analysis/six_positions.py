@@ -29,7 +29,9 @@ class Positions:
     misfit: _Array
 
 
-def six_positions(outputs: _Array, forces_g: _Array, covariance: _Array) -> Positions:
+def six_positions(
+    outputs: _Array, forces_g: _Array, covariance: _Array, *, unknown_rate: _Array | None = None
+) -> Positions:
     """Fit the mean outputs in positions with each own axis up and down: the conventional static method.
 
     Parameters
@@ -40,6 +42,9 @@ def six_positions(outputs: _Array, forces_g: _Array, covariance: _Array) -> Posi
         Shape (k, 3): the specific force along the own axes, in g; +1 along an axis that points up.
     covariance
         Shape (c, k, k): covariance of each channel's means by their noise.
+    unknown_rate
+        Shape (c,): half-width of what each channel gives in every position by a rate that is not taken off,
+        such as the Earth's where the positions are not related to north; None: nothing.
 
     Raises
     ------
@@ -50,9 +55,9 @@ def six_positions(outputs: _Array, forces_g: _Array, covariance: _Array) -> Posi
     -----
     S5.1 at rest, with weights V⁻¹; of a gyro `sensitivity` is ζ, of an accelerometer its diagonal are the
     scale factors and the rest is cross-axis sensitivity. Where the positions leave more than their noise
-    (reduced χ² above 1) the covariance is larger in proportion: what moved the positions is in it. The
-    Earth's rate is not taken off: where the positions are not related to north it cannot be, and belongs
-    into the uncertainty.
+    (reduced χ² above 1) the covariance is larger in proportion: what moved the positions is in it. A rate
+    that is not known adds a third of its square to the variance of each coefficient: up and down it may
+    have opposite signs, as gravity has.
     """
     count = outputs.shape[0]
     if count < _FEWEST:
@@ -64,8 +69,10 @@ def six_positions(outputs: _Array, forces_g: _Array, covariance: _Array) -> Posi
             "the positions do not tell bias and three axes apart: each axis must point up in one and down in"
             " another"
         )
+    rates = np.zeros(outputs.shape[1]) if unknown_rate is None else unknown_rate
     fits = [
-        _fitted(channel, design, noise) for channel, noise in zip(outputs.T, covariance, strict=True)
+        _fitted(channel, design, noise, float(rate))
+        for channel, noise, rate in zip(outputs.T, covariance, rates, strict=True)
     ]
     found = np.stack([one.coefficients for one in fits])
     return Positions(
@@ -85,11 +92,15 @@ class _Channel:
     misfit: float
 
 
-def _fitted(outputs: _Array, design: _Array, noise: _Array) -> _Channel:
+def _fitted(outputs: _Array, design: _Array, noise: _Array, unknown_rate: float) -> _Channel:
     precision = np.linalg.inv(noise)
     covariance = np.linalg.inv(design.T @ precision @ design)
     coefficients = covariance @ design.T @ precision @ outputs
     left = outputs - design @ coefficients
     freedom = outputs.size - design.shape[1]
     misfit = float(left @ precision @ left) / freedom if freedom else 0.0
-    return _Channel(coefficients=coefficients, covariance=covariance * max(misfit, 1.0), misfit=misfit)
+    return _Channel(
+        coefficients=coefficients,
+        covariance=covariance * max(misfit, 1.0) + np.eye(_FEWEST) * unknown_rate**2 / 3.0,
+        misfit=misfit,
+    )

@@ -174,9 +174,9 @@ def _budget(
 
 
 def mattering(lines: list[Contribution]) -> tuple[Contribution, ...]:
-    """Leave out what is less than 0.5 % of the largest line."""
-    largest = max(one.standard_uncertainty for one in lines)
-    return tuple(one for one in lines if one.standard_uncertainty >= _MATTERS * largest)
+    """Leave out what is less than 0.5 % of the largest line, but never the noise."""
+    least = _MATTERS * max(one.standard_uncertainty for one in lines)
+    return tuple(one for one in lines if one.kind == "A" or one.standard_uncertainty >= least)
 
 
 def _drift(found: Spread, name: str, label: str, record: MountingRecord) -> Result:
