@@ -52,7 +52,9 @@ class Pump:
     def _moved(self, now_s: float) -> None:
         with self._lock:
             if not self._ended.is_set():
-                self._transmit(now_s, self._outlet)
+                # While this thread waited its turn, another may have moved the time: what the instrument
+                # is told now, it hears now.
+                self._transmit(max(now_s, self._clock.now_s()), self._outlet)
 
     def _run(self) -> None:
         while not self._ended.wait(_EVERY_S if not self._hurried or self._outlet.room == 0 else 0.0):
