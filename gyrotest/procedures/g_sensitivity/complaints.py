@@ -153,7 +153,7 @@ def _singular(case: Case, parameters: GSensitivityParameters) -> Iterator[tuple[
         for frame in _possible_frames(parameters.sensitive_axis.value)
     ]
     if all(lost):
-        coefficients = " or ".join(f"g_sensitivity_{one}" for one in dict.fromkeys(sum(lost, ())))
+        coefficients = " or ".join(f"g_sensitivity_{one}" for one in sorted({*sum(lost, ())}))
         message = (
             f"the same axis lies along the shaft in all of {_spoken(parameters.placements)}, and gravity never"
             f" turns along it: {coefficients} (the axis that the slot's 'frame' puts along the shaft) cannot be"

@@ -10,11 +10,13 @@ import pytest
 from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.g_sensitivity import GSensitivity, GSensitivityParameters
 from gyrotest.records.plan import Pointing, Rotating
+from gyrotest.records.recording import Auxiliary
 from gyrotest.records.result import Result
 from gyrotest.records.spec import Over
+from gyrotest.records.station import Encoder
 from gyrotest.units import Quantity
 
-from .shaft_bench import FRAME_X, FRAME_Z, MEMS, OUTPUT, SHAFT, Bench, Unit
+from .shaft_bench import FRAME_X, FRAME_Z, MEMS, OUTPUT, SHAFT, Bench, Recorded, Unit
 
 ZETA = Unit().zeta
 FOUR = tuple(Quantity(one, "deg") for one in (0.0, 90.0, 180.0, 270.0))
@@ -193,6 +195,35 @@ def test_a_skew_that_is_stated_is_corrected() -> None:
     found = named(recorded.column(1, skewed).of(sampling=sampling).reduced().results)
     assert value(found, "mounted_g_sensitivity_z") == pytest.approx(ZETA[2], abs=1e-5)
     assert value(found, "mounted_drift_after") < 0.1
+
+
+def grating(bench: Bench, lines: int = 157) -> Recorded:
+    """The same turn read by a grating, whose signals have faults of their own."""
+    recorded = bench.recorded(1)
+    phase = lines * np.radians(recorded.samples.values[:, 1])
+    values = np.column_stack(
+        (recorded.samples.values[:, 0], 0.02 + 1.1 * np.sin(phase), -0.01 + 0.9 * np.cos(phase + 0.05))
+    )
+    sampling = replace(
+        recorded.samples.sampling,
+        auxiliary=(Auxiliary(name="encoder_sine", unit="V"), Auxiliary(name="encoder_cosine", unit="V")),
+        offsets_s=(0.0, 0.0, 0.0),
+    )
+    return recorded.of(values=np.asfortranarray(values), sampling=sampling)
+
+
+def test_a_grating_is_counted_from_the_end_of_the_run_up() -> None:
+    bench = Bench(encoder=Encoder(sine="ua", cosine="ub", lines=157))
+    reduction = grating(bench).reduced()
+    found = named(reduction.results)
+    assert value(found, "mounted_g_sensitivity_z") == pytest.approx(ZETA[2], abs=2e-4)
+    assert any("counts from where each turn begins" in one for one in reduction.remarks)
+
+
+def test_a_grating_with_too_many_lines_is_starved_and_refused() -> None:
+    bench = Bench(encoder=Encoder(sine="ua", cosine="ub", lines=307))
+    with pytest.raises(InsufficientDataError, match="Hz"):
+        grating(bench, 307).reduced()
 
 
 def test_a_drift_by_the_square_of_gravity_is_remarked() -> None:
