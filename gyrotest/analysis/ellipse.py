@@ -7,11 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.analysis.conic import Conic, ConicSums
+from gyrotest.analysis.line_error import SEGMENT, LineError, find_line_error
 from gyrotest.analysis.thinning import Thinned
 from gyrotest.errors import InsufficientDataError
 
 _FEWEST = 200
 _KEPT = 16384
+_SEGMENTS = 512
 _SECTORS = 32
 _FEWEST_IN_SECTOR = 3
 _MOST_SCATTER = 0.15
@@ -43,7 +45,8 @@ class Ellipse:
     The one is `sine_offset + sine_amplitude·sin φ`, the other `cosine_offset + cosine_amplitude·cos(φ + ε)`,
     with ε the `quadrature_error` in radians and all else in the signals' unit. `scatter` is the spread
     (one sigma) of the corrected vector's length, `harmonics` the most that its mean in any 1/32 of the circle
-    is off 1, beyond what the scatter explains: distortion that an ellipse cannot correct.
+    is off 1, beyond what the scatter explains: distortion that an ellipse cannot correct. `line_error` is
+    what that does to the phase (None: the table moved too little to tell).
     """
 
     sine_offset: float
@@ -53,6 +56,7 @@ class Ellipse:
     quadrature_error: float
     scatter: float = 0.0
     harmonics: float = 0.0
+    line_error: LineError | None = None
 
     def corrected(self, sine: NDArray[np.float64], cosine: NDArray[np.float64]) -> Vector:
         """Return the signals, both (n,), as the vector that they stand for."""
@@ -70,18 +74,31 @@ class EllipseFit:
     -----
     S4.1, after Heydemann (Applied Optics 20, 3382, 1981), by the least-squares conic that is constrained to
     be an ellipse. Some thousand points, picked evenly from all, are kept to see how well it fits and whether
-    they go all the way round.
+    they go all the way round, and half a million consecutive ones at most for the error within a line.
     """
 
     def __init__(self) -> None:
         self._sums = ConicSums()
         self._kept = Thinned(columns=2, most=_KEPT)
+        self._segments = Thinned(columns=2 * SEGMENT, most=_SEGMENTS)
+        self._waiting = np.empty((2, 0))
+
+    def begin_stretch(self) -> None:
+        """Say that what comes does not go on from what came before."""
+        self._waiting = self._waiting[:, :0]
 
     def push(self, sine: NDArray[np.float64], cosine: NDArray[np.float64]) -> None:
         """Take further points, both (n,), of one instant each and in one unit."""
         if sine.size:
             self._sums.push(sine, cosine)
             self._kept.push(sine, cosine)
+            self._keep_segments(np.concatenate((self._waiting, np.stack((sine, cosine))), axis=1))
+
+    def _keep_segments(self, both: NDArray[np.float64]) -> None:
+        count = both.shape[1] // SEGMENT
+        self._waiting = both[:, count * SEGMENT :]
+        whole = both[:, : count * SEGMENT].reshape(2, count, SEGMENT)
+        self._segments.push_rows(np.concatenate((whole[0], whole[1]), axis=1))
 
     def fit(self) -> Ellipse:
         """Return the ellipse.
@@ -103,7 +120,13 @@ class EllipseFit:
         conic = self._sums.fit()
         if conic is None:
             raise InsufficientDataError(f"{_NOT_ROUND}; no ellipse fits them")
-        return _examined(_ellipse(conic), sine, cosine)
+        ellipse = _examined(_ellipse(conic), sine, cosine)
+        return replace(ellipse, line_error=self._line_error(ellipse))
+
+    def _line_error(self, ellipse: Ellipse) -> LineError | None:
+        sine, cosine = np.split(self._segments.rows, 2, axis=1)
+        vector = ellipse.corrected(sine, cosine)
+        return find_line_error(np.arctan2(vector.sine, vector.cosine))
 
 
 _NOT_ROUND = (

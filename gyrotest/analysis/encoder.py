@@ -72,7 +72,8 @@ class Decoder:
 
     Notes
     -----
-    S4.1: φ = atan2(sine, cosine) of the corrected signals, unwrapped, θ = φ/M. A step of more than a sixth
+    S4.1: φ = atan2(sine, cosine) of the corrected signals, less the error within a line where that is known,
+    unwrapped; θ = φ/M. A step of more than a sixth
     of a turn of phase from sample to sample breaks the rule f_s ≥ 6·ω_max·M/360°. Where the corrected
     vector's length is not within ½ … 1½ the signal is lost. A single step that differs from both its
     neighbours by more than a sixth of a turn is a leap.
@@ -113,6 +114,8 @@ class Decoder:
             return np.empty(0)
         vector = self._ellipse.corrected(sine, cosine)
         phase = np.arctan2(vector.sine, vector.cosine)
+        if self._ellipse.line_error is not None:
+            phase -= self._ellipse.line_error.at(vector.sine, vector.cosine)
         steps = np.diff(phase)
         turns = np.rint(steps / (2.0 * math.pi))
         steps -= 2.0 * math.pi * turns

@@ -24,11 +24,22 @@ class Thinned:
         """The columns (columns, m) of the rows that were picked."""
         return np.ascontiguousarray(self._rows.T)
 
+    @property
+    def rows(self) -> NDArray[np.float64]:
+        """The rows (m, columns) that were picked."""
+        return self._rows
+
     def push(self, *columns: NDArray[np.float64]) -> None:
         """Take further samples of each column, all (n,)."""
-        size = columns[0].size
-        picks = self._picks(size)
-        self._rows = np.concatenate((self._rows, np.stack([one[picks] for one in columns], axis=1)))
+        picks = self._picks(columns[0].size)
+        self._keep(np.stack([one[picks] for one in columns], axis=1), columns[0].size)
+
+    def push_rows(self, rows: NDArray[np.float64]) -> None:
+        """Take further rows (n, columns)."""
+        self._keep(rows[self._picks(rows.shape[0])], rows.shape[0])
+
+    def _keep(self, picked: NDArray[np.float64], size: int) -> None:
+        self._rows = np.concatenate((self._rows, picked))
         self._seen += size
         while self._rows.shape[0] > self._most:
             self._rows, self._every = self._rows[::2], 2 * self._every

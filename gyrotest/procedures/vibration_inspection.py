@@ -190,6 +190,7 @@ class _Signals:
         """Take further samples."""
         if stretch.begins:
             self._aligner.reset()
+            self._fit.begin_stretch()
         both = self._aligner.push(stretch.values[:, self._columns])
         self._fit.push(both[:, 0], both[:, 1])
 

@@ -46,16 +46,16 @@ def band_results(measured: MeasuredSines, parameters: SineVibrationParameters) -
 
 
 def bandwidth_crossing(measured: MeasuredSines, reference_hz: float) -> Crossing | None:
-    """Find where the gain falls through 1/√2 of that at the reference, over ln f."""
+    """Find where the gain falls through 1/√2 of that at the reference, Hz."""
     above = _from(measured, reference_hz)
     log_gain = np.log([one.response.gain for one in above])
-    return first_fall(_log_hz(above), log_gain, level=float(log_gain[0]) + HALF_POWER)
+    return first_fall(_driven_hz(above), log_gain, level=float(log_gain[0]) + HALF_POWER)
 
 
 def quarter_crossing(measured: MeasuredSines) -> Crossing | None:
-    """Find where the phase falls through −90°, over ln f."""
+    """Find where the phase falls through −90°, Hz."""
     phases = np.array([one.phase_deg for one in measured.points])
-    return first_fall(_log_hz(measured.points), phases, level=_QUARTER_DEG)
+    return first_fall(_driven_hz(measured.points), phases, level=_QUARTER_DEG)
 
 
 def _from(measured: MeasuredSines, reference_hz: float) -> tuple[SinePoint, ...]:
@@ -63,9 +63,8 @@ def _from(measured: MeasuredSines, reference_hz: float) -> tuple[SinePoint, ...]
     return measured.points[measured.points.index(reference) :]
 
 
-def _log_hz(points: Sequence[SinePoint]) -> np.ndarray:
-    log_hz: np.ndarray = np.log([one.response.frequency_hz for one in points])
-    return log_hz
+def _driven_hz(points: Sequence[SinePoint]) -> np.ndarray:
+    return np.array([one.response.frequency_hz for one in points])
 
 
 def _flatness_result(measured: MeasuredSines, parameters: SineVibrationParameters) -> Result:
@@ -103,8 +102,7 @@ def _of_point(
     yield by_statistics(f"noise, {which} sensitivity", standard, response.degrees_of_freedom)
     share = distortion_share(measured, point)
     if share > 0.0:
-        source = f"encoder, distortion of its signals, {which} sensitivity"
-        yield rectangular(source, f"{plain(share * 1e6, 2)} ppm", plain(factor, 3), share * factor)
+        yield by_statistics(f"encoder, distortion of its signals, {which} sensitivity", share * factor)
 
 
 def _bandwidth_result(measured: MeasuredSines, parameters: SineVibrationParameters) -> Result:
@@ -114,13 +112,12 @@ def _bandwidth_result(measured: MeasuredSines, parameters: SineVibrationParamete
     found = bandwidth_crossing(measured, reference_hz)
     if found is None:
         return _not_reached(measured, BANDWIDTH, condition, _certainly_above(above), ())
-    value = math.exp(found.x)
-    per = value / abs(found.slope)
+    value, per = found.x, 1.0 / abs(found.slope)
     nearer = _noisier(above, found)
     budget = (
         *_of_point(measured, above[0], "reference", per),
         *_of_point(measured, nearer, "falling", per),
-        _of_interpolation(found, value),
+        _of_interpolation(found),
     )
     return budgeted_result(
         budget,
@@ -142,12 +139,11 @@ def _phase_90_result(measured: MeasuredSines) -> Result:
     found = quarter_crossing(measured)
     if found is None:
         return _not_reached(measured, PHASE_90, "", _certainly_less(measured), missing)
-    value = math.exp(found.x)
-    per = value / abs(found.slope)
+    value, per = found.x, 1.0 / abs(found.slope)
     nearer = _noisier(measured.points, found)
     budget = (
         *(_scaled(one, per) for one in phase_budget(measured, nearer)),
-        _of_interpolation(found, value),
+        _of_interpolation(found),
     )
     return budgeted_result(
         budget,
@@ -174,9 +170,9 @@ def _noisier(points: Sequence[SinePoint], found: Crossing) -> SinePoint:
     return max(beside, key=lambda one: one.response.relative_uncertainty)
 
 
-def _of_interpolation(found: Crossing, value: float) -> Contribution:
-    half_hz = found.half_width * value
-    return rectangular("interpolation between the frequencies", f"{plain(half_hz, 2)} Hz", "1", half_hz)
+def _of_interpolation(found: Crossing) -> Contribution:
+    half_width = f"{plain(found.half_width, 2)} Hz"
+    return rectangular("interpolation between the frequencies", half_width, "1", found.half_width)
 
 
 def _between(points: Sequence[SinePoint], found: Crossing) -> str:

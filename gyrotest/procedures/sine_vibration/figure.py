@@ -165,12 +165,13 @@ class _At:
     half: float
 
 
-def _pair(result: Result | None) -> tuple[Cell, Cell]:
+def _pair(result: Result | None) -> tuple[Cell, ...]:
     """Return a value and its uncertainty as cells; dashes where there is none."""
     if result is None or result.value is None:
         return Cell(text="–"), Cell(text="–")
     half = result.expanded_uncertainty or 0.0
-    return Cell(text=ending(result.value, places_of(half))), Cell(text=plain(half, 2))
+    places = places_of(half)
+    return Cell(text=ending(result.value, places)), Cell(text=ending(half, places))
 
 
 def _table(drawn: _Drawn) -> Table:

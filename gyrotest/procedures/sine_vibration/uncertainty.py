@@ -16,10 +16,9 @@ from gyrotest.procedures.vibration_budget import (
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Contribution
-from gyrotest.units import printed_unit
 
 _WAVES = 2.0 * math.pi
-_ARCSEC = 3600.0
+_PPM = 1e6
 _MATTERS_OFF = 1e-5
 _NOISE = "noise beside the frequency"
 
@@ -29,11 +28,10 @@ def sensitivity_budget(
 ) -> tuple[Contribution, ...]:
     """Return every contribution to the uncertainty of a sensitivity, which is `value` in `unit`."""
     size = abs(value)
-    of = f"{plain(size, 4)} {printed_unit(unit)}".strip()
     return (
         _of_noise(point, size),
         *gain_contributions(context, value=value, unit=unit),
-        *_of_distortion(measured, point, factor=size, of=of),
+        *_of_distortion(measured, point, factor=size),
         *_of_drive(measured, point, slope=size * _log_gain_slope(measured, point)),
     )
 
@@ -45,7 +43,7 @@ def phase_budget(measured: MeasuredSines, point: SinePoint) -> tuple[Contributio
     return (
         _of_noise(point, degrees),
         *phase_contributions(sampling, frequency_hz=frequency_hz),
-        *_of_distortion(measured, point, factor=degrees, of=f"{plain(degrees, 4)}°"),
+        *_of_distortion(measured, point, factor=degrees),
         *_of_drive(measured, point, slope=_phase_slope(measured, point)),
     )
 
@@ -62,18 +60,17 @@ def missing_of_angle(measured: MeasuredSines) -> tuple[str, ...]:
 
 
 def distortion_share(measured: MeasuredSines, point: SinePoint) -> float:
-    """Return by how much of itself the table's amplitude may be wrong within the grating's lines.
+    """Return by how much of itself (one sigma) the table's amplitude may be wrong within the grating's lines.
 
-    Distorted signals make an error of angle that comes again with every line (twice and more). Of a motion
-    over many lines the most of it does not have the motion's frequency: by Bessel's J₁, 2/√(πm) at most,
+    What remains of the signals' distortion makes an error of angle that comes again with every line. Of a
+    motion over many lines most of it does not have the motion's frequency: by Bessel's J₁ 2/√(πm) at most,
     m the amplitude as a phase of the line.
     """
     ellipse, line_deg = measured.channels.ellipse, measured.channels.line_deg
-    if ellipse is None or line_deg is None:
+    if ellipse is None or ellipse.line_error is None or line_deg is None:
         return 0.0
-    amplitude_deg = _amplitude_deg(point)
-    phase = _WAVES * amplitude_deg / line_deg
-    return min(1.0, 2.0 / math.sqrt(math.pi * phase)) * ellipse.harmonics / phase
+    phase = _WAVES * _amplitude_deg(point) / line_deg
+    return min(1.0, 2.0 / math.sqrt(math.pi * phase)) * ellipse.line_error.uncertainty / phase
 
 
 def _amplitude_deg(point: SinePoint) -> float:
@@ -86,23 +83,19 @@ def _of_noise(point: SinePoint, factor: float) -> Contribution:
 
 
 def _of_distortion(
-    measured: MeasuredSines, point: SinePoint, *, factor: float, of: str
+    measured: MeasuredSines, point: SinePoint, *, factor: float
 ) -> Iterator[Contribution]:
     share = distortion_share(measured, point)
     if share > 0.0:
-        arcsec = share * _amplitude_deg(point) * _ARCSEC
-        yield rectangular(
-            "encoder, distortion of its signals",
-            f"{plain(arcsec, 2)} arcsec",
-            f"{of} / {plain(_amplitude_deg(point), 3)}°",
-            share * factor,
-        )
+        yield by_statistics("encoder, distortion of its signals", share * factor)
 
 
 def _unseen_distortion(measured: MeasuredSines) -> tuple[str, ...]:
     """Of an angle whose signals are not seen, errors within short ways are only known by its accuracy."""
-    seen = measured.channels.ellipse is not None
-    return () if seen else ("errors of the encoder within small angles",)
+    ellipse = measured.channels.ellipse
+    if ellipse is None:
+        return ("errors of the encoder within small angles",)
+    return () if ellipse.line_error is not None else ("encoder, distortion of its signals",)
 
 
 def _of_drive(measured: MeasuredSines, point: SinePoint, *, slope: float) -> Iterator[Contribution]:
@@ -111,7 +104,7 @@ def _of_drive(measured: MeasuredSines, point: SinePoint, *, slope: float) -> Ite
     if abs(off) > _MATTERS_OFF and len(measured.points) > 1:
         yield rectangular(
             "frequency of the drive",
-            f"{plain(abs(off) * 1e6, 2)} ppm",
+            f"{plain(abs(off) * _PPM, 2)} ppm",
             plain(abs(slope), 3),
             abs(slope * off),
         )
