@@ -144,3 +144,13 @@ def test_no_points_at_all_are_drawn_too(scale: Scale) -> None:
 def test_same_points_give_the_same_bytes() -> None:
     figure = bench_records.cycles()
     assert image(figure, "svg") == image(figure, "svg")
+
+
+@pytest.mark.parametrize(
+    ("ends", "whole"), [((1.0, 5.0), True), ((1.0, 3.0), True), ((1.9, 2.1), False)]
+)
+def test_a_limit_of_a_few_points_is_drawn_at_these_alone(ends: tuple[float, float], whole: bool) -> None:
+    limit = Curve(x=ends, y=(2.0, 2.0), role=Role.LIMIT)
+    lines = draw(one(counted(5), curves=(limit,))).axes[0].lines
+    (drawn_limit,) = [line for line in lines if np.asarray(line.get_ydata()).tolist() == [2.0, 2.0]]
+    assert np.asarray(drawn_limit.get_xdata()).tolist() == ([0.0, 1.0] if whole else list(ends))
