@@ -13,7 +13,7 @@ from gyrotest.units import conversion_factor
 from .units import run_units
 
 pytestmark = [pytest.mark.slow]
-UNITS = [str(7000 + 37 * number) for number in range(32)]
+UNITS = [str(7000 + 37 * number) for number in range(30)]
 SPEC = """
 model: MEMS50
 output:
@@ -27,10 +27,10 @@ cases:
   turning:
     procedure: g_sensitivity
     warm_up: 30 min
-    duration: 20 s
+    duration: 12 s
     interval: 50 ms
     repeats: 2
-    parameters: {rate: 12 deg/s, run_up: 10 deg, turns: 3}
+    parameters: {rate: 15 deg/s, run_up: 12 deg, turns: 3}
 """
 
 

@@ -121,7 +121,7 @@ def combined_lines(
                 kind="B",
                 distribution="normal" if first.normal else "rectangular",
                 half_width=f"{plain(first.half, 3)}{'' if first.unit == _DEGREES else ' '}{first.unit}",
-                sensitivity=f"{plain(half / first.half, 2)} ({unit})/{first.unit}",
+                sensitivity=f"{plain(half / first.half, 2)} {unit}/{first.unit}",
                 standard_uncertainty=half / first.divisor,
             )
 
