@@ -21,13 +21,14 @@ def stimuli(record: RunRecord) -> Iterator[str]:
 def _table(record: RunRecord) -> Iterator[str]:
     slot = record.header.station.station.slots.get(record.header.slot)
     instrument = _instrument(record, slot.table if slot else None)
-    turned = list(_courses(record, lambda one: one.rate_dps, lambda one: one.measured_rate_dps, "°/s"))
-    if not turned:
-        return
-    if slot and instrument:
-        yield f"Rate table '{slot.table}' ({instrument.driver}){_motion(instrument.motion)}."
-    for case, course in turned:
-        yield f"Rates asked for in {case}: {course}."
+    turned = _courses(record, lambda one: one.rate_dps, lambda one: one.measured_rate_dps, "°/s")
+    held = _courses(record, lambda one: one.position_deg, lambda one: one.measured_position_deg, "°")
+    told = [f"Rates asked for in {case}: {course}." for case, course in turned]
+    told += [f"Angles asked for in {case}: {course}." for case, course in held]
+    if told and slot and instrument:
+        kind = "Rate table" if instrument.shaft is None else "Rotation stage"
+        yield f"{kind} '{slot.table}' ({instrument.driver}){_motion(instrument.motion)}."
+    yield from told
 
 
 def _vibration(record: RunRecord) -> Iterator[str]:

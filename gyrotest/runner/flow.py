@@ -24,6 +24,7 @@ from gyrotest.runner.axes import (
 from gyrotest.runner.bench import Bench
 from gyrotest.runner.folder import RunFolder
 from gyrotest.runner.items import PlannedCase, planned_case
+from gyrotest.runner.places import moved_together
 from gyrotest.runner.record import assemble, write_record
 from gyrotest.runner.taking import TakesPart, Taking
 
@@ -98,8 +99,14 @@ class UnitRun:
         return TakesPart(folder=self.folder, header=self.header, item=item, attempt=attempt)
 
     def _others(self, item: PlannedItem) -> Iterator[TakesPart]:
-        """The same item of the other units that the source reads, where it is still due."""
+        """The same item of the other units that the source reads, where it is still due.
+
+        Units that other instruments move are acquired by themselves.
+        """
+        slots, plan = self.header.station.station.slots, self.planned_case(item).plan
         for partner in self.partners():
+            if not moved_together(plan, slots[self.header.slot], slots[partner.header.slot]):
+                continue
             for theirs in partner.header.plan:
                 same = (theirs.case, theirs.repeat) == (item.case, item.repeat)
                 if same and partner.standing(theirs) is None:

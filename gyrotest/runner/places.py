@@ -2,8 +2,17 @@
 
 from gyrotest.records.plan import Plan
 from gyrotest.records.spec import Spec
-from gyrotest.records.station import Station
+from gyrotest.records.station import Slot, Station
 from gyrotest.runner.items import planned_case
+
+
+def moved_together(plan: Plan, one: Slot, other: Slot) -> bool:
+    """Whether what a plan does to the unit in a slot happens to the one in another slot as well."""
+    return (
+        (not plan.turns or one.table == other.table)
+        and (not plan.vibrates or one.vibration == other.vibration)
+        and (not plan.soaks or one.chamber == other.chamber)
+    )
 
 
 def slots_of(spec: Spec, station: Station) -> tuple[str, ...]:

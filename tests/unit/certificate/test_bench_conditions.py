@@ -269,3 +269,22 @@ def test_recordings_tell_their_steps_and_exports_their_hashes(pages: Pages) -> N
     assert "90 000 of 90 000 samples in 24 steps, 0 missing" in text
     assert f"exports/compensation-{bench_records.SERIAL}.json exported for other programs" in text
     assert "ab" * 32 in text
+
+
+def test_angles_that_a_stage_held_are_told_beside_the_rates_of_its_turns() -> None:
+    at_rest = [
+        Dwell(
+            name="rest",
+            first=0,
+            samples=10,
+            began_s=0.0,
+            position_deg=deg,
+            measured_position_deg=deg + 0.02,
+        )
+        for deg in (0.0, 90.0, 180.0)
+    ]
+    turn = Dwell(name="turn", first=0, samples=10, began_s=0.0, rate_dps=6.0, measured_rate_dps=6.001)
+    told = conditions(with_dwells(bench_records.three_axes(), (*at_rest, turn)))
+    assert any(one.startswith("Rate table 'table' (acutrol3000): at most 200 °/s") for one in told)
+    assert any(one.endswith(": 6 °/s; read back within 0.0010 °/s of that.") for one in told)
+    assert any(": 0, 90, 180 °; read back within 0.020 ° of that." in one for one in told)

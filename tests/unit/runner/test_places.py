@@ -2,7 +2,9 @@
 
 import pytest
 
+from gyrotest.records.plan import Excitation, Plan, Rotating, Soaking, Step, Stimulus, Vibrating
 from gyrotest.records.station import Instrument, Motion, Shaft, Slot, Station
+from gyrotest.runner.places import moved_together
 from gyrotest.units import Quantity
 
 MOTION = Motion(
@@ -28,6 +30,9 @@ def _station(**slots: Slot) -> Station:
 PLAIN = Slot(source="meter", table="table")
 SHAKEN = Slot(source="meter", vibration="exciter")
 ON_SHAFT = Slot(source="meter", table="stage")
+HEATED = Slot(source="meter", table="table", chamber="oven")
+ROTATING = Rotating(rate_dps=6.0, run_up_deg=5.0)
+SHAKING = Vibrating(excitation=Excitation.RANDOM, rms_dps=1.0, low_hz=5.0, high_hz=100.0)
 
 
 @pytest.mark.parametrize(
@@ -52,3 +57,17 @@ def test_a_bench_of_one_kind_takes_every_spec() -> None:
 def test_a_slot_that_names_the_model_comes_before_what_is_needed() -> None:
     named = Slot(source="meter", models=("M1",))
     assert _station(a=named, b=SHAKEN).slots_for("M1", vibrates=True) == ("a",)
+
+
+def test_only_units_that_the_same_instruments_move_are_acquired_together() -> None:
+    turning, shaking, still = (_plan(one) for one in (ROTATING, SHAKING, None))
+    assert moved_together(turning, ON_SHAFT, ON_SHAFT)
+    assert not moved_together(turning, ON_SHAFT, PLAIN)
+    assert not moved_together(_plan(Soaking(temperature_degc=40.0, soak_s=1.0)), HEATED, PLAIN)
+    assert not moved_together(shaking, SHAKEN, PLAIN)
+    assert moved_together(shaking, ON_SHAFT, PLAIN)
+    assert moved_together(still, ON_SHAFT, SHAKEN)
+
+
+def _plan(stimulus: Stimulus | None) -> Plan:
+    return Plan(warm_up_s=0.0, interval_s=1.0, steps=(Step(samples=10, stimulus=stimulus),))
