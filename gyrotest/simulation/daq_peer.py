@@ -53,7 +53,8 @@ class DaqPeer:
     def truth(self) -> Mapping[str, float]:
         """The drawn errors of each channel in use, and of the encoders."""
         found: dict[str, float] = {}
-        for seat in self._seats.values():
+        # What several slots read is the first one's.
+        for seat in reversed(tuple(self._seats.values())):
             for channel, converter in seat.converters.items():
                 found[f"{channel}.gain_error"] = converter.wire.gain
                 found[f"{channel}.skew_error_s"] = converter.wire.skew_error_s

@@ -28,11 +28,12 @@ RECOVERED = {
     "meter-disconnects": ("connection lost", 1),
     "garbled-replies": ("the reply", 3),
 }
-# What strikes no meter: digital gyros, tables, supplies, chambers, each with tests of its own.
+# What strikes no meter: digital gyros, synchronous sources, tables, supplies, chambers, each with tests of its own.
 ELSEWHERE = {
     *("lost-frames", "lost-counter-period", "bad-crc", "garbage-on-the-line", "unplugged"),
     *("overload-status", "channel-error", "wrong-baud-rate", "other-device", "other-configuration"),
     *("table-does-not-reach-rate", "table-interlock", "table-refuses"),
+    *("daq-overrun", "daq-bad-block", "daq-lost", "encoder-lost", "exciter-silent", "exciter-lost"),
     *("supply-no-voltage", "supply-current-limit", "chamber-does-not-reach"),
 }
 WAYS = ["tcp", "prologix"] + (["pty", "prologix-pty"] if hasattr(os, "openpty") else [])
