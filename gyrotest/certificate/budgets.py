@@ -13,8 +13,8 @@ from gyrotest.records.result import Contribution, JudgedResult
 from gyrotest.records.run import RunRecord
 from gyrotest.units import printed_unit
 
-# What tells results of one kind apart: `sensitivity_20Hz`.
-_SETTING = re.compile(r"_\d[^_]*$")
+# What tells results of one kind apart: `sensitivity_20Hz`, `g_sensitivity_x`.
+_SETTING = re.compile(r"_(\d[^_]*|[xyz])$")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,9 +107,11 @@ def _others(results: list[JudgedResult]) -> str:
 
 def _of_settings(results: list[JudgedResult]) -> Iterator[str]:
     """Of each setting its axes and repeats; the first one of all is printed in full."""
-    for _, same in groupby(results, key=lambda one: one.name):
+    settings = {one.name: one.label.rpartition(", ")[2] for one in results}
+    alike = len(set(settings.values())) < len(settings)
+    for name, same in groupby(results, key=lambda one: one.name):
         of_setting = list(same)
-        setting = of_setting[0].label.rpartition(", ")[2]
+        setting = of_setting[0].label if alike else settings[name]
         rest = [one for one in of_setting if one is not results[0]]
         if len(of_setting) == 1:
             yield from (f"{setting}: {significant(_combined(one.budget), digits=2)}" for one in rest)
