@@ -11,6 +11,7 @@ from tests.benchmarks import (
     bench_main_job,
     bench_reading_rate,
     bench_simulated_stream,
+    bench_vibration,
 )
 
 for benchmark in (
@@ -24,5 +25,6 @@ for benchmark in (
     bench_digital,
     bench_decoding,
     bench_frequency_response,
+    bench_vibration,
 ):
     benchmark.main()
