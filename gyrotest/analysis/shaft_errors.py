@@ -70,11 +70,12 @@ def index_error(fitted: FittedShaft, half_width_deg: float) -> _Array:
 
 
 def tilt_error(fitted: FittedShaft, half_width_deg: float, along_shaft: float) -> _Array:
-    """Return the effect (p,) of a shaft tilted more: gravity along it moves the bias.
+    """Return the effect (p,) of a shaft tilted more, to whichever side: gravity along it moves the bias.
 
     `along_shaft` is the coefficient along the shaft, which no turn about it can tell.
     """
-    tilted = replace(fitted.model.pose, tilt_deg=fitted.model.pose.tilt_deg + half_width_deg)
+    tilt_deg = fitted.model.pose.tilt_deg
+    tilted = replace(fitted.model.pose, tilt_deg=tilt_deg + math.copysign(half_width_deg, tilt_deg))
     effect = _posed(fitted, tilt_deg=tilted.tilt_deg)
     force = specific_force_g(tilted, fitted.arcs.circle)[:, SHAFT]
     moved: _Array = effect + fitted.weights @ (abs(along_shaft) * force)

@@ -135,6 +135,17 @@ def test_an_encoder_error_at_twice_the_angle_reaches_the_coefficients_and_one_at
     )
 
 
+def test_the_uncertainty_of_a_tilt_adds_to_it_to_whichever_side_it_is() -> None:
+    """A tilt of the size of its uncertainty must not cancel it."""
+    moved = []
+    for tilt_deg in (0.1, -0.1):
+        model = replace(MODEL, pose=replace(POSE, tilt_deg=tilt_deg))
+        moved.append(
+            tilt_error(FittedShaft.of(fit_shaft(output(turned()), turned(), model)), 0.1, 0.08)[0]
+        )
+    assert np.abs(moved) == pytest.approx(0.08 * np.sin(np.radians(0.2)), rel=0.05)
+
+
 def test_gain_tilt_and_placement_do_what_they_should() -> None:
     fitted = FittedShaft.of(fit())
     assert gain_error(fitted, 0.01)[1] == pytest.approx(0.01 * ALONG_X, rel=0.15)
