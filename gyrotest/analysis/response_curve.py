@@ -33,10 +33,15 @@ class CurvePoints:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reading:
-    """A value read off a curve, with its standard uncertainty."""
+    """A value read off a curve, with its standard uncertainty by the random error and the fit.
+
+    It moves by Σ `factors`·δ where the curve (ln gain, or phase in °) moves by δ at the frequencies `at_hz`.
+    """
 
     value: float
     uncertainty: float
+    at_hz: tuple[float, ...] = ()
+    factors: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -156,8 +161,7 @@ def bandwidth(curve: ResponseCurve, *, reference_hz: float) -> Reading | None:
     found = _crossing(curve.log_gain, level, begin=reference_hz)
     if found is None:
         return None
-    rows = curve.log_gain.rows(np.array([found])) - curve.log_gain.rows(reference)
-    return _at_crossing(curve.log_gain, found, rows)
+    return _at_crossing(curve.log_gain, found, counted_from=(reference_hz,))
 
 
 def quarter_turn(curve: ResponseCurve) -> Reading | None:
@@ -181,7 +185,7 @@ def quarter_turn(curve: ResponseCurve) -> Reading | None:
     found = _crossing(curve.phase, -90.0, begin=curve.low_hz)
     if found is None:
         return None
-    return _at_crossing(curve.phase, found, curve.phase.rows(np.array([found])))
+    return _at_crossing(curve.phase, found)
 
 
 def group_delay(curve: ResponseCurve, *, frequency_hz: float) -> Reading:
@@ -211,10 +215,10 @@ def flatness(curve: ResponseCurve, *, reference_hz: float, to_hz: float | None =
     relative = np.exp(curve.log_gain.value(grid) - curve.log_gain.value(reference))
     ends = np.array([np.argmax(relative), np.argmin(relative)])
     high, low = relative[ends]
-    rows = curve.log_gain.rows(np.append(grid[ends], reference_hz))
-    change = high * rows[0] - low * rows[1] - (high - low) * rows[2]
-    uncertainty = float(curve.log_gain.uncertainty(change[np.newaxis])[0])
-    return Reading(value=100.0 * float(high - low), uncertainty=100.0 * uncertainty)
+    at_hz = np.append(grid[ends], reference_hz)
+    return _read(
+        curve.log_gain, 100.0 * float(high - low), at_hz, 100.0 * np.array([high, -low, low - high])
+    )
 
 
 def _crossing(polynomial: BandPolynomial, level: float, *, begin: float) -> float | None:
@@ -231,9 +235,22 @@ def _crossing(polynomial: BandPolynomial, level: float, *, begin: float) -> floa
     return float(brentq(above, grid[beneath[0] - 1], grid[beneath[0]]))
 
 
-def _at_crossing(polynomial: BandPolynomial, found: float, rows: _Array) -> Reading:
+def _at_crossing(
+    polynomial: BandPolynomial, found: float, *, counted_from: tuple[float, ...] = ()
+) -> Reading:
     slope = float(polynomial.value(np.array([found]), derivative=1)[0])
-    return Reading(value=found, uncertainty=float(polynomial.uncertainty(rows)[0]) / abs(slope))
+    at_hz = np.array([found, *counted_from])
+    return _read(polynomial, found, at_hz, np.array([-1.0, *(1.0 for _ in counted_from)]) / slope)
+
+
+def _read(polynomial: BandPolynomial, value: float, at_hz: _Array, factors: _Array) -> Reading:
+    change = factors @ polynomial.rows(at_hz)
+    return Reading(
+        value=value,
+        uncertainty=float(polynomial.uncertainty(change[np.newaxis])[0]),
+        at_hz=tuple(float(one) for one in at_hz),
+        factors=tuple(float(one) for one in factors),
+    )
 
 
 def _chosen(response: Response, used: NDArray[np.bool_]) -> Response:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,12 @@ from gyrotest.procedures.random_vibration.measurands import GROUP_DELAY, LABELS
 from gyrotest.procedures.random_vibration.measured import MeasuredResponse
 from gyrotest.procedures.random_vibration.parameters import RandomVibrationParameters
 from gyrotest.procedures.random_vibration.pointwise import evaluated
-from gyrotest.procedures.uncertainty import budgeted_result, by_statistics, rectangular
+from gyrotest.procedures.random_vibration.uncertainty import (
+    delay_budget,
+    gain_reading_budget,
+    phase_reading_budget,
+)
+from gyrotest.procedures.uncertainty import budgeted_result, rectangular
 from gyrotest.procedures.vibration_budget import missing_of_phase
 from gyrotest.procedures.vibration_names import BANDWIDTH, FLATNESS, PHASE_90
 from gyrotest.procedures.wording import engineering, plain
@@ -45,7 +51,7 @@ def _flatness_result(measured: MeasuredResponse, parameters: RandomVibrationPara
     def found() -> Result:
         read = flatness(measured.curve, reference_hz=reference_hz, to_hz=to_hz)
         return budgeted_result(
-            (_of_reading(read),),
+            gain_reading_budget(measured, read, "%"),
             name=FLATNESS,
             label=label,
             value=read.value,
@@ -58,10 +64,6 @@ def _flatness_result(measured: MeasuredResponse, parameters: RandomVibrationPara
     return evaluated(found, FLATNESS, label, "%")
 
 
-def _of_reading(read: Reading) -> Contribution:
-    return by_statistics("random error and fit of the curve", read.uncertainty)
-
-
 def _bandwidth_result(measured: MeasuredResponse, parameters: RandomVibrationParameters) -> Result:
     label, reference_hz = f"Bandwidth, {_MINUS}3 dB", parameters.reference_hz
     condition = f"{_MINUS}3 dB of the sensitivity at {plain(reference_hz, 6)} Hz"
@@ -72,7 +74,7 @@ def _bandwidth_result(measured: MeasuredResponse, parameters: RandomVibrationPar
             lowest = _certainly_above(measured, reference_hz)
             return _not_reached(measured, BANDWIDTH, label, condition, lowest)
         return budgeted_result(
-            (_of_reading(read),),
+            gain_reading_budget(measured, read, "Hz"),
             name=BANDWIDTH,
             label=label,
             value=read.value,
@@ -106,7 +108,7 @@ def _phase_90_result(measured: MeasuredResponse) -> Result:
         if read is None:
             return _not_reached(measured, PHASE_90, label, "", _certainly_less(measured))
         return budgeted_result(
-            (_of_reading(read), *_of_skew(measured, read)),
+            (*phase_reading_budget(measured, read), *_of_skew(measured, read)),
             name=PHASE_90,
             label=label,
             value=read.value,
@@ -165,7 +167,7 @@ def _delay_result(measured: MeasuredResponse, parameters: RandomVibrationParamet
             else ()
         )
         return budgeted_result(
-            (by_statistics("random error and fit of the curve", read.uncertainty * 1e3), *by_skew),
+            (*_in_ms(delay_budget(measured, read, reference_hz)), *by_skew),
             name=GROUP_DELAY,
             label=label,
             value=read.value * 1e3,
@@ -175,3 +177,8 @@ def _delay_result(measured: MeasuredResponse, parameters: RandomVibrationParamet
         )
 
     return evaluated(found, GROUP_DELAY, label, "ms")
+
+
+def _in_ms(budget: tuple[Contribution, ...]) -> Iterator[Contribution]:
+    for one in budget:
+        yield replace(one, standard_uncertainty=one.standard_uncertainty * 1e3)

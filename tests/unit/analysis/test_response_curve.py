@@ -154,9 +154,11 @@ def test_the_flatness_up_to_a_frequency(exact_curve: ResponseCurve) -> None:
 def test_a_pure_delay_is_the_group_delay() -> None:
     found = fit(exact(Truth(natural_hz=1e9, damping=0.0, delay_s=2.5e-3)), degree=3)
     assert group_delay(found, frequency_hz=33.0).value == pytest.approx(2.5e-3, rel=1e-9)
-    assert quarter_turn(found) == Reading(
-        value=pytest.approx(100.0), uncertainty=pytest.approx(0.0, abs=0.1)
-    )
+    quarter = quarter_turn(found)
+    assert quarter is not None
+    assert (quarter.value, quarter.uncertainty) == (pytest.approx(100.0), pytest.approx(0.0, abs=0.1))
+    # °: 0.9° a hertz
+    assert (quarter.at_hz, quarter.factors) == (pytest.approx((100.0,)), pytest.approx((1.0 / 0.9,)))
 
 
 def test_the_flatness_of_a_flat_gyro_is_its_noise() -> None:

@@ -181,6 +181,26 @@ def test_runs_that_differ_more_than_by_noise_make_the_result_less_certain() -> N
     assert by_runs.degrees_of_freedom == 2
 
 
+def test_runs_of_different_bandwidths_make_what_is_read_off_the_band_less_certain() -> None:
+    """A unit whose bandwidth changes from run to run: the curve through all runs is no more certain than that."""
+    gyros = [dataclasses.replace(SLOW, natural_hz=one) for one in (70.0, 75.0, 80.0)]
+    parts = [np.split(runs(one), 4) for one in gyros]
+    values = np.concatenate((parts[0][0], *(part[number] for number, part in enumerate(parts, start=1))))
+    found = reduced(values, context(parameters(degree=8)))
+    true_hz = [crossing_hz(one, math.sqrt(0.5)) for one in gyros]
+    by_runs = {
+        one.name: line
+        for one in found.results
+        for line in one.budget
+        if line.source == "spread of the runs"
+    }
+    assert by_runs["bandwidth_3db"].standard_uncertainty == pytest.approx(
+        np.std(true_hz, ddof=1) / math.sqrt(3.0), rel=0.1
+    )
+    assert by_runs["bandwidth_3db"].degrees_of_freedom == 2
+    assert {"flatness", "phase_90_frequency", "group_delay"} <= set(by_runs)
+
+
 def test_a_single_run_has_no_repeatability() -> None:
     length = runs().shape[0] // 4
     found = reduced(runs()[: 2 * length], context(parameters(runs=1)))
