@@ -1,29 +1,24 @@
-"""The opened bench: clock, sources, what moves and powers the units, and the simulated bench where it is one."""
+"""The opened bench: clock, sources, what powers the units, and the simulated bench where it is one."""
 
-import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from gyrotest.acquisition.stimulation import Rotates, Stimulation, Vibrates
 from gyrotest.clock import RealClock
 from gyrotest.errors import RefusedError
-from gyrotest.ports import Clock, DigitalGyro, Playback, Source
-from gyrotest.records.plan import Plan, Turning
+from gyrotest.ports import Clock, DigitalGyro, Source
+from gyrotest.records.plan import Plan
 from gyrotest.records.run import InstrumentUse, PlannedItem
 from gyrotest.records.spec import Case, Spec
-from gyrotest.records.station import Accuracy, Motion, Slot, Station
-from gyrotest.runner.drivers import Drivers, Openable
+from gyrotest.records.station import Accuracy, Station
+from gyrotest.runner.drivers import Drivers
 from gyrotest.runner.items import Moment
-from gyrotest.runner.mounting import Mounted
+from gyrotest.runner.mounting import Mounted, mountings
 from gyrotest.runner.places import slots_of
+from gyrotest.runner.stimuli import Stimuli
 
 if TYPE_CHECKING:
     from gyrotest.acquisition.power import Power
-    from gyrotest.acquisition.rotating import StageDrive
-    from gyrotest.acquisition.soaking import ChamberDrive
-    from gyrotest.acquisition.turning import TableDrive
-    from gyrotest.acquisition.vibrating import VibrationTable
     from gyrotest.simulation.bench import SimulatedBench
 
 
@@ -58,16 +53,11 @@ class Bench:
         self._simulated = _simulated_bench(station, spec, choice)
         self.clock: Clock = self._simulated.clock if self._simulated else RealClock()
         self._drivers = Drivers(station, self.clock, self._resource)
+        self.stimuli = Stimuli(station, self.clock, self._drivers)
         self._begun_s = self.clock.now_s()
         self._powered_on_s: dict[str, float] = {}
         self._sources: dict[tuple[str, str], OpenSource] = {}
-        self._tables: dict[str, TableDrive] = {}
-        self._stages: dict[str, StageDrive] = {}
-        self._chambers: dict[str, ChamberDrive] = {}
-        self._vibrations: dict[str, VibrationTable] = {}
         self._supplies: dict[tuple[str, int], Power] = {}
-        self._uses: dict[str, InstrumentUse] = {}
-        self._safe = contextlib.ExitStack()
         self._events: dict[str, list[str]] = {}
         self.mounted = Mounted()
 
@@ -94,7 +84,7 @@ class Bench:
         place = self.station.slots[slot]
         sources = [one.use for (name, _), one in self._sources.items() if name == place.source]
         others = (place.table, place.vibration, place.supply, place.chamber)
-        return (*sources, *(self._uses[name] for name in others if name in self._uses))
+        return (*sources, *(self._drivers.kept[name] for name in others if name in self._drivers.kept))
 
     @property
     def by_hand(self) -> bool:
@@ -166,120 +156,9 @@ class Bench:
         key = (place.supply, place.supply_output)
         if key not in self._supplies:
             supply = self._drivers.supply(*key)
-            self._open(place.supply, supply)
+            self._drivers.keep(place.supply, supply)
             self._supplies[key] = Power(supply, how, clock=self.clock, name=self._resource(place.supply))
         return self._supplies[key]
-
-    # What acts on the unit
-
-    def stimulation(
-        self, slot: str, plan: Plan, *, source: Source, by_hand: Vibrates | None = None
-    ) -> Stimulation:
-        """What a plan needs of a slot's tables and chamber, opened; raises `InstrumentError`.
-
-        `by_hand` is the vibration where the slot has nothing that drives it.
-        """
-        place = self.station.slots[slot]
-        turns_freely = any(isinstance(step.stimulus, Turning) for step in plan.steps)
-        return Stimulation(
-            table=self._table(place) if turns_freely else None,
-            stage=self._stage(place, source) if plan.rotates else None,
-            chamber=self._chamber(place) if plan.soaks else None,
-            vibration=self._vibration(place, source, by_hand) if plan.vibrates else None,
-            interval_s=plan.interval_s,
-        )
-
-    def _table(self, place: Slot) -> "TableDrive | None":
-        name = place.table
-        if name is None:
-            return None
-        if name not in self._tables:
-            self._tables[name] = self._opened_table(name)
-        self._tables[name].take_up()
-        return self._tables[name]
-
-    def _opened_table(self, name: str) -> "TableDrive":
-        """A table, opened; one with a level shaft is a stage as well."""
-        from gyrotest.acquisition.rotating import StageDrive
-        from gyrotest.acquisition.turning import TableDrive
-
-        motion = self._motion(name)
-        table = self._drivers.table(name, motion)
-        self._open(name, table)
-        who = self._resource(name)
-        if self.station.instruments[name].shaft is None:
-            return TableDrive(table, clock=self.clock, motion=motion, name=who)
-        self._stages[name] = StageDrive(table, clock=self.clock, motion=motion, name=who)
-        return self._stages[name].turning
-
-    def _stage(self, place: Slot, source: Source) -> Rotates | None:
-        from gyrotest.acquisition.rotating import RotationRecorded
-
-        if isinstance(source, Playback):
-            return RotationRecorded()
-        self._table(place)
-        return self._stages.get(place.table or "")
-
-    def _vibration(self, place: Slot, source: Source, by_hand: Vibrates | None) -> Vibrates | None:
-        from gyrotest.acquisition.vibrating import VibrationRecorded, VibrationTable
-
-        name = place.vibration
-        if isinstance(source, Playback):
-            return VibrationRecorded()
-        if name is None:
-            return by_hand
-        if name not in self._vibrations:
-            drive = self._drivers.vibration(name)
-            self._open(name, drive)
-            self._vibrations[name] = VibrationTable(drive, clock=self.clock)
-        self._vibrations[name].take_up()
-        return self._vibrations[name]
-
-    def put_down_table(self, slot: str) -> None:
-        """After a fault: a slot's tables at rest and disconnected; their next use opens them anew."""
-        place = self.station.slots[slot]
-        table = self._tables.get(place.table or "")
-        if table is not None:
-            table.put_down()
-        vibration = self._vibrations.get(place.vibration or "")
-        if vibration is not None:
-            vibration.put_down()
-
-    def make_safe(self, slot: str) -> str:
-        """Have a slot's table at rest and switched off, so that somebody may touch it; what is so, in words.
-
-        Raises `InstrumentError` where it does not rest.
-        """
-        name = self.station.slots[slot].table
-        if name is None:
-            return ""
-        if name not in self._tables:
-            return f"'{name}' has not been switched on; "
-        self._tables[name].switch_off()
-        return f"'{name}' is at rest and switched off; "
-
-    def _motion(self, name: str) -> Motion:
-        motion = self.station.instruments[name].motion
-        if motion is None:
-            raise RefusedError(f"instrument '{name}': no 'motion' says how fast and how far it may turn")
-        return motion
-
-    def _chamber(self, place: Slot) -> "ChamberDrive | None":
-        name = place.chamber
-        if name is None:
-            return None
-        from gyrotest.acquisition.soaking import ChamberDrive
-
-        if name not in self._chambers:
-            chamber = self._drivers.chamber(name)
-            self._open(name, chamber)
-            self._chambers[name] = ChamberDrive(chamber, clock=self.clock, name=self._resource(name))
-        return self._chambers[name]
-
-    def _open(self, name: str, driver: Openable) -> None:
-        """Open what is left safe at the end, the last one first."""
-        self._uses[name] = self._drivers.opened(name, self._resource(name), driver)
-        self._safe.callback(driver.close)
 
     # The simulated bench
 
@@ -315,15 +194,11 @@ class Bench:
 
     def close(self) -> None:
         """Leave everything safe: tables at rest, sources closed, outputs off; idempotent, never raises."""
-        for table in self._tables.values():
-            table.rest()
-        for vibration in self._vibrations.values():
-            vibration.rest()
+        self.stimuli.rest()
         for opened in self._sources.values():
             opened.source.close()
-        self._safe.close()
-        self._sources, self._tables, self._supplies, self._chambers = {}, {}, {}, {}
-        self._vibrations, self._stages = {}, {}
+        self._drivers.close()
+        self._sources, self._supplies = {}, {}
         if self._simulated:
             self._simulated.close()
 
@@ -332,15 +207,6 @@ class Bench:
         if self._simulated and resource.split(":")[0] == "simulated":
             return self._simulated.address(name)
         return resource
-
-
-def mountings(case: Case | None) -> Mapping[str, tuple[float, float, float]]:
-    """The directions of a case's axes by name; that of a single axis under no name."""
-    if case is None:
-        return {}
-    if case.mounting is not None:
-        return {"": case.mounting}
-    return case.mountings
 
 
 def check_choice(station: Station, choice: SimulationChoice) -> None:

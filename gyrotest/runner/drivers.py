@@ -1,6 +1,7 @@
 """Drivers made and opened: each port's constructor, from a station's entry of an instrument."""
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from typing import Any, Protocol
 
 from gyrotest.ports import Chamber, Clock, PowerSupply, RateTable, Source, VibrationDrive
@@ -21,12 +22,17 @@ class Openable(Protocol):
 
 
 class Drivers:
-    """Makes a station's drivers; `address` tells where an instrument is reached."""
+    """Makes a station's drivers; `address` tells where an instrument is reached.
+
+    `kept` are the instruments that stay open until `close`.
+    """
 
     def __init__(self, station: Station, clock: Clock, address: Callable[[str], str]) -> None:
         self._station = station
         self._clock = clock
-        self._address = address
+        self.address = address
+        self.kept: dict[str, InstrumentUse] = {}
+        self._safe = ExitStack()
 
     def source(self, name: str, resource: str) -> Source:
         """The driver of a source, not opened yet."""
@@ -42,22 +48,22 @@ class Drivers:
 
     def table(self, name: str, motion: Motion) -> RateTable:
         """The driver of a rate table, not opened yet."""
-        made: RateTable = self._made(name, self._address(name), motion=motion)
+        made: RateTable = self._made(name, self.address(name), motion=motion)
         return made
 
     def supply(self, name: str, output: int) -> PowerSupply:
         """The driver of a power supply's output, not opened yet."""
-        made: PowerSupply = self._made(name, self._address(name), output=output)
+        made: PowerSupply = self._made(name, self.address(name), output=output)
         return made
 
     def chamber(self, name: str) -> Chamber:
         """The driver of a temperature chamber, not opened yet."""
-        made: Chamber = self._made(name, self._address(name))
+        made: Chamber = self._made(name, self.address(name))
         return made
 
     def vibration(self, name: str) -> VibrationDrive:
         """The driver of what drives a vibration table, not opened yet."""
-        made: VibrationDrive = self._made(name, self._address(name))
+        made: VibrationDrive = self._made(name, self.address(name))
         return made
 
     def opened(self, name: str, resource: str, driver: Openable) -> InstrumentUse:
@@ -73,6 +79,15 @@ class Drivers:
             resource=resource,
             identity=identity,
         )
+
+    def keep(self, name: str, driver: Openable) -> None:
+        """Open what is left safe by `close`; raises `InstrumentError`."""
+        self.kept[name] = self.opened(name, self.address(name), driver)
+        self._safe.callback(driver.close)
+
+    def close(self) -> None:
+        """Leave what was kept safe, the last one first; idempotent."""
+        self._safe.close()
 
     def _made(self, name: str, resource: str, **beside: Any) -> Any:
         from gyrotest.specification.station import instrument_settings

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from gyrotest.records.plan import Placement
 from gyrotest.records.run import Attempt, Outcome, RunHeader
+from gyrotest.records.spec import Case
 from gyrotest.runner.folder import RunFolder
 from gyrotest.runner.items import planned_case
 
@@ -24,6 +25,15 @@ class Mounted:
     def put(self, slot: str, serial_number: str, turned_deg: float) -> None:
         """It is mounted so."""
         self._by_slot[slot] = (serial_number, turned_deg)
+
+
+def mountings(case: Case | None) -> Mapping[str, tuple[float, float, float]]:
+    """The directions of a case's axes by name; that of a single axis under no name."""
+    if case is None:
+        return {}
+    if case.mounting is not None:
+        return {"": case.mounting}
+    return case.mountings
 
 
 def turned_before_deg(folder: RunFolder, header: RunHeader) -> float:

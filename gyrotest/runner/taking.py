@@ -83,7 +83,7 @@ class Taking:
             self._record(opened, shares)
         except GyrotestError as fault:
             self._bench.drop(opened)
-            self._bench.put_down_table(self._first.slot)
+            self._bench.stimuli.put_down(self._first.slot)
             self._blame_power(fault)
             raise
 
@@ -117,7 +117,7 @@ class Taking:
         bench, changes = self._bench, [one for one in self._parts if self._is_other(one, placement)]
         if changes and bench.by_hand:
             units = {one.slot: one.header.serial_number for one in changes}
-            asked = remounting_words(units, placement, safe=bench.make_safe(self._first.slot))
+            asked = remounting_words(units, placement, safe=bench.stimuli.make_safe(self._first.slot))
             self._confirm(f"{self._first.item.name}: {asked}")
         for part in self._parts:
             bench.mounted.put(part.slot, part.header.serial_number, placement.turned_deg)
@@ -198,7 +198,7 @@ class Taking:
                 for part, of_unit in zip(self._parts, shares, strict=True)
             ),
             plan=planned.plan,
-            stimulation=bench.stimulation(
+            stimulation=bench.stimuli.of(
                 self._first.slot, planned.plan, source=opened.source, by_hand=self._vibration_by_hand()
             ),
             allowed_loss=None if loss is None else loss.to(""),

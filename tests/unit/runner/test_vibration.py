@@ -156,15 +156,15 @@ def generator_of(bench: Bench) -> GeneratorPeer:
 def test_the_bench_opens_the_drive_on_first_use_and_leaves_it_off() -> None:
     with closing(open_bench(vibration="exciter")) as bench:
         plan, source = shaken(), Something()
-        stimulation = bench.stimulation("a", plan, source=source)
+        stimulation = bench.stimuli.of("a", plan, source=source)
         assert isinstance(stimulation.vibration, VibrationTable)
         assert [use.name for use in bench.used("a")] == ["exciter"]
         stimulation.reach(plan.steps[0])
         wave = generator_of(bench).generator.outputs[1]
         assert wave.wave.on
-        bench.put_down_table("a")
+        bench.stimuli.put_down("a")
         assert not wave.wave.on
-        again = bench.stimulation("a", plan, source=source)
+        again = bench.stimuli.of("a", plan, source=source)
         assert again.vibration is stimulation.vibration
         again.reach(plan.steps[0])
         assert wave.wave.on
@@ -174,7 +174,7 @@ def test_the_bench_opens_the_drive_on_first_use_and_leaves_it_off() -> None:
 def test_what_is_played_back_leaves_the_drive_alone() -> None:
     source: Source = Tape()
     with closing(open_bench(vibration="exciter")) as bench:
-        stimulation = bench.stimulation("a", shaken(), source=source)
+        stimulation = bench.stimuli.of("a", shaken(), source=source)
         assert isinstance(stimulation.vibration, VibrationRecorded)
         assert not bench.used("a")
 
@@ -183,7 +183,7 @@ def test_without_a_drive_the_operator_is_asked() -> None:
     with closing(open_bench()) as bench:
         asked: list[str] = []
         by_hand = VibrationByHand(clock=bench.clock, ask=asked.append, told=print, note=print)
-        stimulation = bench.stimulation("a", shaken(), source=Something(), by_hand=by_hand)
+        stimulation = bench.stimuli.of("a", shaken(), source=Something(), by_hand=by_hand)
         stimulation.reach(shaken().steps[0])
         assert asked == [
             "set the vibration table to random vibration of 10 °/s rms from 5 to 100 Hz and switch it on"
@@ -196,7 +196,7 @@ def test_a_drive_that_does_not_answer_is_told_before_the_first_sample() -> None:
         closing(Bench(one, SPEC, SimulationChoice())) as bench,
         pytest.raises(InstrumentError, match=r"127\.0\.0\.1::1"),
     ):
-        bench.stimulation("a", shaken(), source=Something())
+        bench.stimuli.of("a", shaken(), source=Something())
 
 
 BY_HAND = """
