@@ -20,7 +20,7 @@ _ANGLE, _SINE, _COSINE = "encoder_angle", "encoder_sine", "encoder_cosine"
 _TURN_DEG = 360.0
 _MOST_JUMP_DEG = 1.0
 _MOST_OFF_DEG = 1.0
-_MOST_OFF_RATE = 0.1
+_MOST_OFF_RATE = 0.002
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,7 +96,8 @@ class Angles:
             raise InsufficientDataError(
                 f"step '{one.step.name}': the encoder's angle jumps by up to {plain(float(jumps.max()), 3)}° from"
                 f" sample to sample, where {plain(rate_dps * self._sampling.interval_s, 3)}° are turned: it is"
-                " starved of samples, or loses counts; let it update faster, or turn slower"
+                " starved of samples, loses counts, or has no signal; look at its cables, let it update faster, or"
+                " turn slower"
             )
         whole: _Array = angle - _TURN_DEG * np.floor(np.median(angle) / _TURN_DEG)
         return whole
@@ -168,10 +169,11 @@ def _rate_dps(one: StepColumns, angle: _Array, interval_s: float) -> float:
 
 
 def _refuse_wrong_rate(one: StepColumns, rotating: Rotating, rate_dps: float) -> None:
-    if abs(rate_dps - rotating.rate_dps) <= _MOST_OFF_RATE * abs(rotating.rate_dps):
+    allowed_dps = rotating.tolerance_dps + _MOST_OFF_RATE * abs(rotating.rate_dps)
+    if abs(rate_dps - rotating.rate_dps) <= allowed_dps:
         return
     raise InsufficientDataError(
         f"step '{one.step.name}': the encoder turned at {plain(rate_dps, 4)} °/s, the stage was asked for"
-        f" {plain(rotating.rate_dps, 4)} °/s: look at the encoder's channel, 'encoder.lines' and"
-        " 'encoder.reversed'".replace("-", "\N{MINUS SIGN}")
+        f" {plain(rotating.rate_dps, 4)} °/s (to within {plain(allowed_dps, 2)} °/s): look at the encoder's"
+        " channel, 'encoder.lines' and 'encoder.reversed'".replace("-", "\N{MINUS SIGN}")
     )

@@ -22,6 +22,7 @@ from gyrotest.procedures.dwells import MOST_DROPPED, sample_places
 from gyrotest.procedures.g_sensitivity.angles import Angles, StepColumns
 from gyrotest.procedures.g_sensitivity.bench import Mounted, mounted
 from gyrotest.procedures.g_sensitivity.known_scale import KnownScale, known_scale
+from gyrotest.procedures.g_sensitivity.lifeless import refuse_lifeless, refuse_without_earth
 from gyrotest.procedures.g_sensitivity.parameters import GSensitivityParameters, steps_of
 from gyrotest.procedures.scaling import Scaling, output_scaling
 from gyrotest.records.plan import Context, Rotating
@@ -62,6 +63,7 @@ def mounting_record(samples: Samples, context: Context) -> MountingRecord:
     scaling = output_scaling(context.output, samples.sampling.unit)
     scale = known_scale(scaling, parameters.scale_factor_from, context)
     columns = tuple(_columns(samples, context))
+    refuse_lifeless(samples, context)
     angles = Angles(samples, context, columns)
     steps = tuple(_step(one, angles, scaling, scale, samples.sampling.interval_s) for one in columns)
     even = tuple(while_even(one) for one in steps)
@@ -76,6 +78,7 @@ def mounting_record(samples: Samples, context: Context) -> MountingRecord:
         unit.model,
         since_s=since_power_on_s(context) + float(record.arcs.spans.begins_s[0]),
     )
+    refuse_without_earth(found, samples, context)
     return MountingRecord(
         mounted=unit,
         scaling=scaling,

@@ -1,5 +1,6 @@
 """The mountings of a case together: each one's results as numbers, and the model that they came from."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -26,6 +27,7 @@ from gyrotest.units import conversion_factor
 
 _Array = NDArray[np.float64]
 _COEFFICIENTS = 3
+_SAME = 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,6 +119,7 @@ def mountings_of(repeats: Sequence[tuple[Result, ...]], context: Context) -> Mou
             f" shaft ({words}); turn the unit about its sensitive axis by a quarter between:"
             " 'parameters.placements'"
         )
+    _refuse_the_same(found, context)
     estimates = tuple(_estimate(place, found) for place in range(len(AXES)))
     own = np.array([one.value for one in estimates])
     bench = Bench(
@@ -131,6 +134,26 @@ def mountings_of(repeats: Sequence[tuple[Result, ...]], context: Context) -> Mou
         influences=tuple(
             influences(_even(one.unit, own, parameters), one.unit, own, bench) for one in found
         ),
+    )
+
+
+def _refuse_the_same(mountings: Sequence[Mounting], context: Context) -> None:
+    """Refuse mountings that agree in the stage's own axes far below their noise: one record, taken twice."""
+    for one, other in itertools.pairwise(mountings):
+        apart = np.abs(_along_the_stage(one) - _along_the_stage(other)).max()
+        if apart < _SAME * min(noise.standard for noise in (*one.noise.values(), *other.noise.values())):
+            raise InsufficientDataError(
+                f"{context.case_name}: repeats {one.number + 1} and {other.number + 1} hold the same samples: they"
+                f" agree to a {round(1.0 / _SAME)}th of their noise; record each mounting by itself, and do not"
+                " 'rewind' what is replayed"
+            )
+
+
+def _along_the_stage(mounting: Mounting) -> _Array:
+    """Return the coefficients along the stage's axes (3,)."""
+    return sum(
+        (value * mounting.unit.axes[place] for place, value in mounting.values.items()),
+        start=np.zeros(len(AXES)),
     )
 
 
