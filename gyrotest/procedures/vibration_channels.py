@@ -21,7 +21,7 @@ from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import Dwell, SampleStream, Sampling
 from gyrotest.records.station import Encoder
-from gyrotest.units import conversion_factor
+from gyrotest.units import Dimension, conversion_factor, printed_unit, same_dimension
 
 ENCODER = "encoder_"
 """How the names of an encoder's channels begin: what a plan asks for beside the output."""
@@ -209,7 +209,7 @@ def _tracked(channels: VibrationChannels) -> _Tracked:
         place = columns.index("encoder_angle")
         unit = channels.sampling.auxiliary[place - len(channels.sampling.channels)].unit
         track = AngleTrack(rate_hz=channels.rate_hz, reversed_=encoder.reversed)
-        return _Tracked((place,), track, conversion_factor(unit, "deg"))
+        return _Tracked((place,), track, _degrees(unit, channels.context))
     decoder = Decoder(
         channels.ellipse,
         lines=encoder.lines,
@@ -217,6 +217,15 @@ def _tracked(channels: VibrationChannels) -> _Tracked:
         reversed_=encoder.reversed,
     )
     return _Tracked((columns.index("encoder_sine"), columns.index("encoder_cosine")), decoder, 1.0)
+
+
+def _degrees(unit: str, context: Context) -> float:
+    if not same_dimension(unit, Dimension.ANGLE):
+        raise InsufficientDataError(
+            f"{context.case_name}: the encoder's angle comes in '{printed_unit(unit)}', which is none of an angle;"
+            " correct the channel's unit, or its name, in the station"
+        )
+    return conversion_factor(unit, "deg")
 
 
 def _known_encoder(sampling: Sampling, context: Context) -> Encoder:

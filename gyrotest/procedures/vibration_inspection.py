@@ -212,8 +212,8 @@ def _refuse_unfit(tally: DwellTally, context: Context, scaling: Scaling) -> None
     name = step_words(tally.dwell)
     if tally.missing and context.case.gaps is Gaps.REFUSE:
         raise InsufficientDataError(
-            f"{name}: {tally.missing} of {tally.dwell.samples} samples are missing, in {tally.stretches - 1} gaps;"
-            " find out where they are lost, or let the case use what is without gaps: 'gaps: longest_stretch'"
+            f"{name}: {tally.missing} of {tally.dwell.samples} samples are missing; find out where they"
+            " are lost, or let the case use what is without gaps: 'gaps: longest_stretch'"
         )
     if tally.present < max(FEWEST_PRESENT * tally.dwell.samples, 2):
         raise InsufficientDataError(
@@ -229,7 +229,10 @@ def _refuse_unfit(tally: DwellTally, context: Context, scaling: Scaling) -> None
             f" {_full_scale(context)}; lower the level, or widen the channel's range"
         )
     if tally.unreadable:
-        raise InsufficientDataError(f"{name}: {tally.unreadable} values are no numbers")
+        raise InsufficientDataError(
+            f"{name}: {tally.unreadable} values of output or encoder, in {tally.present} samples, are no"
+            " numbers; look at the channels, or at the columns of the file"
+        )
     _refuse_saturated(tally, context, scaling, name)
 
 

@@ -19,6 +19,12 @@ FLATNESS = "flatness"
 BANDWIDTH = "bandwidth_3db"
 PHASE_90 = "phase_90_frequency"
 
+AGAINST_THE_SIGN = (
+    "The output moves against the sign of the nominal scale factor; phases are less half a turn. Either the unit"
+    " is inverted, or the encoder counts the other way: see 'encoder.reversed', and which signal is 'sine'."
+)
+"""What is to be said of a response that is the other way round."""
+
 _DIGITS = 9
 
 

@@ -1,5 +1,6 @@
 """From a recording to frequency responses: at rest and run by run, decoded, filtered, averaged, fitted."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -20,7 +21,7 @@ from gyrotest.procedures.vibration_channels import CUT_OFF, VibrationChannels, v
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import SampleStream, Sampling
 
-_OCTAVE = 2.0
+_LOWEST = 1.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,6 +30,7 @@ class MeasuredResponse:
 
     Gains are those of the output as a rate by the nominal scale factor: near 1 °/s a °/s. `inverted` says
     that the output moves against the sign of that factor; the phases are less the half turn then.
+    `rate_dps` is the table's rate in the band, rms, as the encoder tells it.
     `noise_beyond_rest` (k,) is by how much of itself a gain may err at each line for noise of unknown origin.
     """
 
@@ -42,6 +44,7 @@ class MeasuredResponse:
     noise_beyond_rest: NDArray[np.float64]
     repeatability: ResponseRepeatability | None
     segments: int
+    rate_dps: float
     inverted: bool
     scaling: Scaling
     sampling: Sampling
@@ -58,6 +61,7 @@ def measured_response(stream: SampleStream, context: Context) -> MeasuredRespons
     _refuse_cutoff(stream.sampling, parameters)
     channels = vibration_channels(stream, context, highest_hz=parameters.cutoff_hz / CUT_OFF)
     rest, *runs = _spectra(channels, parameters)
+    _refuse_the_same(runs, context)
     inverted = _is_inverted(runs, parameters)
     upright = tuple(_turned(one) for one in runs) if inverted else tuple(runs)
     return _response(upright, rest, parameters, channels, inverted=inverted)
@@ -86,6 +90,7 @@ def _response(
         noise_beyond_rest=noise_beyond_rest(together, rest),
         repeatability=response_repeatability(curves) if len(curves) > 1 else None,
         segments=together.segments,
+        rate_dps=float(np.sqrt(together.reference.sum() / together.segment_s)),
         inverted=inverted,
         scaling=channels.scaling,
         sampling=channels.stream.sampling,
@@ -94,6 +99,16 @@ def _response(
 
 def _curve(response: Response, parameters: RandomVibrationParameters) -> ResponseCurve:
     return fit_response(response, degree=parameters.degree, coherence_floor=parameters.coherence_floor)
+
+
+def _refuse_the_same(runs: Sequence[Spectra], context: Context) -> None:
+    """Refuse runs of the same samples: they would repeat without an error."""
+    for number, (one, other) in enumerate(itertools.pairwise(runs), start=1):
+        if np.array_equal(one.cross, other.cross):
+            raise InsufficientDataError(
+                f"{context.case_name}: runs {number} and {number + 1} hold the same samples; record each by itself,"
+                " and do not 'rewind' what is replayed"
+            )
 
 
 def _refuse_cutoff(sampling: Sampling, parameters: RandomVibrationParameters) -> None:
@@ -142,8 +157,8 @@ def _averaged(average: CrossSpectra, name: str) -> Spectra:
 
 
 def _is_inverted(runs: Sequence[Spectra], parameters: RandomVibrationParameters) -> bool:
-    """Whether the output moves against its nominal sign in the lowest octave, where no gyro lags by as much."""
-    lowest = runs[0].frequency_hz <= _OCTAVE * parameters.low_hz
+    """Whether the output moves against its nominal sign where the band begins, and a gyro lags least."""
+    lowest = runs[0].frequency_hz <= _LOWEST * parameters.low_hz
     return bool(sum(float(one.cross[lowest].real.sum()) for one in runs) < 0.0)
 
 

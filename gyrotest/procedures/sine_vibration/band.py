@@ -22,6 +22,9 @@ from gyrotest.records.result import Contribution, Result
 HALF_POWER = -0.5 * math.log(2.0)
 """A gain of 1/√2, −3.01 dB, as a logarithm."""
 
+LOST_IN_NOISE = "the output's sine is not told from its noise: raise the level, or sample longer"
+"""Why a point has no value."""
+
 _QUARTER_DEG = -90.0
 _PERCENT = 100.0
 _ROOT_3 = math.sqrt(3.0)
@@ -73,6 +76,8 @@ def _flatness_result(measured: MeasuredSines, parameters: SineVibrationParameter
     if len(within) < 2:
         reason = f"only one frequency up to {plain(to_hz, 6)} Hz; see 'parameters.flat_to'"
         return _without(FLATNESS, "%", reason)
+    if lost := _lost(within):
+        return _without(FLATNESS, "%", lost)
     highest = max(within, key=lambda one: one.response.gain)
     lowest = min(within, key=lambda one: one.response.gain)
     reference = measured.at(reference_hz).response.gain
@@ -110,6 +115,8 @@ def _bandwidth_result(measured: MeasuredSines, parameters: SineVibrationParamete
     condition = f"{_MINUS}3 dB of the sensitivity at {plain(reference_hz, 6)} Hz"
     above = _from(measured, reference_hz)
     found = bandwidth_crossing(measured, reference_hz)
+    if lost := _lost(_to_the_crossing(above, found)):
+        return _without(BANDWIDTH, "Hz", lost)
     if found is None:
         return _not_reached(measured, BANDWIDTH, condition, _certainly_above(above), ())
     value, per = found.x, 1.0 / abs(found.slope)
@@ -131,12 +138,13 @@ def _bandwidth_result(measured: MeasuredSines, parameters: SineVibrationParamete
 
 
 def _phase_90_result(measured: MeasuredSines) -> Result:
-    first = measured.points[0]
+    first, found = measured.points[0], quarter_crossing(measured)
     missing = missing_of_angle(measured)
+    if lost := _lost(_to_the_crossing(measured.points, found)):
+        return _without(PHASE_90, "Hz", lost)
     if first.phase_deg < _QUARTER_DEG:
         reason = f"below {plain(first.asked_hz, 6)} Hz, where the phase is beyond {_MINUS}90° already"
         return _without(PHASE_90, "Hz", reason)
-    found = quarter_crossing(measured)
     if found is None:
         return _not_reached(measured, PHASE_90, "", _certainly_less(measured), missing)
     value, per = found.x, 1.0 / abs(found.slope)
@@ -163,6 +171,17 @@ def _scaled(line: Contribution, per: float) -> Contribution:
         return by_statistics(line.source, standard, line.degrees_of_freedom)
     half_width = f"{plain(line.standard_uncertainty * _ROOT_3, 2)}°"
     return rectangular(line.source, half_width, f"{plain(per, 3)} Hz/°", standard * _ROOT_3)
+
+
+def _to_the_crossing(points: Sequence[SinePoint], found: Crossing | None) -> Sequence[SinePoint]:
+    """Return what a crossing rests on: every point up to the second beyond it."""
+    return points if found is None else points[: found.place + 3]
+
+
+def _lost(points: Sequence[SinePoint]) -> str:
+    """Say at which frequencies there is nothing but noise; empty where there are none."""
+    lost = [plain(one.asked_hz, 6) for one in points if not one.told]
+    return f"at {', '.join(lost)} Hz {LOST_IN_NOISE}" if lost else ""
 
 
 def _noisier(points: Sequence[SinePoint], found: Crossing) -> SinePoint:

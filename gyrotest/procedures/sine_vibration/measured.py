@@ -16,6 +16,7 @@ from gyrotest.records.recording import Dwell, SampleStream
 
 _HALF_TURN, _TURN = 180.0, 360.0
 _QUARTER = 90.0
+_MOST_RELATIVE = 0.3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,6 +26,11 @@ class SinePoint:
     asked_hz: float
     response: SineResponse
     phase_deg: float
+
+    @property
+    def told(self) -> bool:
+        """Whether the output's sine is told from its noise."""
+        return self.response.relative_uncertainty <= _MOST_RELATIVE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from gyrotest.procedures.sine_vibration.measured import MeasuredSines
 from gyrotest.procedures.vibration_inspection import step_words
+from gyrotest.procedures.vibration_names import AGAINST_THE_SIGN
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 
@@ -16,7 +17,7 @@ _ROOT_2 = 2.0**0.5
 def sine_remarks(measured: MeasuredSines, context: Context) -> Iterator[str]:
     """Give every remark, the gravest first."""
     if measured.inverted:
-        yield "The output moves against the sign of the nominal scale factor; phases are less half a turn."
+        yield AGAINST_THE_SIGN
     yield from _missing(measured)
     yield from _level(measured, context)
     yield from _frequency(measured)
@@ -26,7 +27,7 @@ def sine_remarks(measured: MeasuredSines, context: Context) -> Iterator[str]:
 def _missing(measured: MeasuredSines) -> Iterator[str]:
     for one in measured.shortened:
         yield (
-            f"{step_words(one.dwell).capitalize()}: samples are missing; the longest stretch without gaps is used,"
+            f"S{step_words(one.dwell)[1:]}: samples are missing; the longest stretch without gaps is used,"
             f" {one.used} of {one.dwell.samples} samples."
         )
 
@@ -43,7 +44,7 @@ def _level(measured: MeasuredSines, context: Context) -> Iterator[str]:
         found = low if low == high else f"{low} … {high}"
         yield (
             f"The table moved with {found} °/s rms at {_named(off)} Hz, and was asked for"
-            f" {plain(asked_dps, 4)} °/s; the encoder's rate is used."
+            f" {plain(asked_dps, 4)} °/s; the encoder's rate is used. Are the lines of its grating stated rightly?"
         )
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from gyrotest.procedures.sine_vibration.band import band_results
+from gyrotest.procedures.sine_vibration.band import LOST_IN_NOISE, band_results
 from gyrotest.procedures.sine_vibration.measured import MeasuredSines, SinePoint
 from gyrotest.procedures.sine_vibration.parameters import SineVibrationParameters
 from gyrotest.procedures.sine_vibration.uncertainty import (
@@ -24,9 +24,6 @@ from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
 from gyrotest.units import conversion_factor
 
-MOST_RELATIVE = 0.3
-"""Relative standard uncertainty beyond which an output is not told from noise."""
-
 _ROOT_2 = 2.0**0.5
 
 
@@ -44,7 +41,7 @@ def sensitivity_result(measured: MeasuredSines, point: SinePoint, context: Conte
     """Return the amplitude of the output over that of the rate, with the sign of the scale factor."""
     name, label = sensitivity_name(point.asked_hz), sensitivity_label(point.asked_hz)
     unit = SENSITIVITY_UNITS[context.output.kind]
-    if point.response.relative_uncertainty > MOST_RELATIVE:
+    if not point.told:
         return _lost_in_noise(name, label, unit)
     value = measured.scale * point.response.gain * _to(measured, unit)
     return budgeted_result(
@@ -61,7 +58,7 @@ def sensitivity_result(measured: MeasuredSines, point: SinePoint, context: Conte
 def phase_result(measured: MeasuredSines, point: SinePoint) -> Result:
     """Return the phase of the output less that of the rate, a lag negative."""
     name, label = phase_name(point.asked_hz), phase_label(point.asked_hz)
-    if point.response.relative_uncertainty > MOST_RELATIVE:
+    if not point.told:
         return _lost_in_noise(name, label, "deg")
     return budgeted_result(
         phase_budget(measured, point),
@@ -75,8 +72,7 @@ def phase_result(measured: MeasuredSines, point: SinePoint) -> Result:
 
 
 def _lost_in_noise(name: str, label: str, unit: str) -> Result:
-    reason = "the output's sine is not told from its noise: raise the level, or sample longer"
-    return Result(name=name, label=label, value=None, unit=unit, condition=reason)
+    return Result(name=name, label=label, value=None, unit=unit, condition=LOST_IN_NOISE)
 
 
 def _to(measured: MeasuredSines, unit: str) -> float:
