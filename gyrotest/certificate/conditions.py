@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
+from gyrotest.certificate.angles import angles
 from gyrotest.certificate.numbers import plain
 from gyrotest.certificate.printing import numbers_in_words, printed_text
 from gyrotest.certificate.statement import remarks
@@ -24,6 +25,7 @@ def _conditions(record: RunRecord) -> Iterator[str]:
     if not record.replayed:
         yield from _power(record)
     yield from stimuli(record)
+    yield from angles(record)
     site = record.header.station.station.site
     if site is not None:
         heading = f", heading {site.heading}" if site.heading is not None else ""

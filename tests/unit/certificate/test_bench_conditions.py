@@ -12,8 +12,15 @@ from gyrotest.certificate.equipment import equipment
 from gyrotest.certificate.statement import deviations
 from gyrotest.records.recording import Auxiliary, Dwell, Sampling
 from gyrotest.records.run import Attempt, RunRecord
+from gyrotest.records.station import Encoder, Instrument, Shaft
 from tests.unit.certificate import bench_records, records
 
+FRAME = {"x": "z", "y": "-y", "z": "x"}
+SHAFT = Shaft(
+    azimuth=bench_records.quantity("30 deg"),
+    azimuth_uncertainty=bench_records.quantity("0.5 deg"),
+    tilt=bench_records.quantity("0.02 deg"),
+)
 Pages = Callable[[str], tuple[str, ...]]
 
 
@@ -56,9 +63,10 @@ def soaked(record: RunRecord) -> RunRecord:
     return with_dwells(record, dwells, chamber="chamber")
 
 
-def with_dwells(record: RunRecord, dwells: tuple[Dwell, ...], **slot: str) -> RunRecord:
+def with_dwells(record: RunRecord, dwells: tuple[Dwell, ...], **slot: Any) -> RunRecord:
     def change(attempt: Attempt) -> Attempt:
-        assert attempt.recording is not None
+        if attempt.recording is None:
+            return attempt
         return dataclasses.replace(
             attempt, recording=dataclasses.replace(attempt.recording, dwells=dwells)
         )
@@ -122,6 +130,43 @@ def test_channels_of_one_clock_and_their_skews_are_told() -> None:
     assert told[0].endswith(
         "by one clock; how well the times between them are known is not stated. Analogue low-pass: not stated."
     )
+
+
+def test_what_measures_the_angle_and_how_a_shaft_lies_is_told() -> None:
+    held = (Dwell(name="rest", first=0, samples=10, began_s=0.0, position_deg=90.0),)
+    way = Sampling(
+        interval_s=0.01,
+        aperture_s=0.01,
+        channels=("gyro",),
+        auxiliary=(Auxiliary(name="encoder_angle", unit="deg"),),
+        synchronous=True,
+    )
+
+    def told(encoder: Encoder) -> str:
+        record = with_dwells(
+            bench_records.rate_table(), held, table="stage", encoder=encoder, frame=FRAME
+        )
+        station = record.header.station.station
+        stage = Instrument(driver="acutrol3000", resource="simulated", shaft=SHAFT)
+        station = dataclasses.replace(station, instruments={**station.instruments, "stage": stage})
+        document = dataclasses.replace(record.header.station, station=station)
+        header = dataclasses.replace(record.header, station=document)
+        return " ".join(sampled(dataclasses.replace(record, header=header), way))
+
+    grating = told(
+        Encoder(sine="ua", cosine="ub", lines=9000, accuracy=bench_records.quantity("2 arcsec"))
+    )
+    assert (
+        "Angle measured by a grating of 9000 lines a turn (channels ua and ub); its error within a turn"
+        in grating
+    )
+    assert "±2 arcsec at most." in grating
+    assert (
+        "Level shaft: azimuth of the stage's x axis at the angle 0 30° (±0.5° at most); tilt 0.02°"
+        " (±0.05° at most); angle 0 within ±0.1°."
+    ) in grating
+    assert "Axes of the unit along those of the stage: x along z, y along −y, z along x." in grating
+    assert "an encoder (channel a); its error within a turn is not stated." in told(Encoder(angle="a"))
 
 
 def test_supply_and_power_cycles_are_told() -> None:
