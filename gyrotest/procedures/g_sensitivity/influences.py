@@ -132,7 +132,9 @@ def _of_shaft(fitted: FittedShaft, unit: Mounted, own: _Array) -> Iterator[Influ
         one.to("deg")
         for one in (shaft.azimuth_uncertainty, shaft.index_uncertainty, shaft.tilt_uncertainty)
     )
-    yield _simple("azimuth of the shaft", azimuth, _DEGREES, azimuth_error(fitted, azimuth))
+    # Where x points north or south the Earth's rate hardly depends on it, and on one side more than on the other.
+    sides = tuple(azimuth_error(fitted, side)[np.newaxis] for side in (azimuth, -azimuth))
+    yield Influence(source="azimuth of the shaft", half=azimuth, unit=_DEGREES, patterns=sides)
     yield _simple("angle 0 of the stage", index, _DEGREES, index_error(fitted, index))
     # The largest of the coefficients stands for one that this mounting does not show.
     along = float(own[unit.along]) or float(np.abs(own).max())

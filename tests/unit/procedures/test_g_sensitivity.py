@@ -16,7 +16,19 @@ from gyrotest.records.spec import Over
 from gyrotest.records.station import Encoder
 from gyrotest.units import Quantity
 
-from .shaft_bench import FRAME_X, FRAME_Z, MEMS, OUTPUT, SHAFT, Bench, Recorded, Unit
+from .shaft_bench import (
+    EARTH_DPS,
+    FRAME_X,
+    FRAME_Z,
+    GRAVITY_G,
+    LATITUDE_DEG,
+    MEMS,
+    OUTPUT,
+    SHAFT,
+    Bench,
+    Recorded,
+    Unit,
+)
 
 ZETA = Unit().zeta
 FOUR = tuple(Quantity(one, "deg") for one in (0.0, 90.0, 180.0, 270.0))
@@ -154,6 +166,18 @@ def test_a_scale_factor_that_was_measured_is_used() -> None:
     (line,) = [one for one in found["g_sensitivity_z"].budget if "scale factor" in one.source]
     assert line.source == "scale factor from case 'scale_factor'"
     assert line.standard_uncertainty == pytest.approx(2e-4 * ZETA[2], rel=0.05)
+
+
+def test_an_azimuth_beside_north_counts_with_the_side_on_which_it_matters_more() -> None:
+    """cos(−15° + 30°) = cos(−15°): to that side alone nothing would change."""
+    beside = replace(SHAFT, azimuth=Quantity(-15.0, "deg"), azimuth_uncertainty=Quantity(30.0, "deg"))
+    found = named(Bench(shaft=beside).both())
+    (line,) = [one for one in found["g_sensitivity_z"].budget if one.source == "azimuth of the shaft"]
+    north_dps = EARTH_DPS * math.cos(math.radians(LATITUDE_DEG))
+    change = math.cos(math.radians(15.0)) - math.cos(math.radians(45.0))
+    assert line.standard_uncertainty == pytest.approx(
+        north_dps * change / GRAVITY_G / math.sqrt(3.0), rel=0.01
+    )
 
 
 def test_an_azimuth_that_is_hardly_known_dominates_the_budget() -> None:
