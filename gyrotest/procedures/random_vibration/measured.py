@@ -106,8 +106,8 @@ def _refuse_the_same(runs: Sequence[Spectra], context: Context) -> None:
     for number, (one, other) in enumerate(itertools.pairwise(runs), start=1):
         if np.array_equal(one.cross, other.cross):
             raise InsufficientDataError(
-                f"{context.case_name}: runs {number} and {number + 1} hold the same samples; record each by itself,"
-                " and do not 'rewind' what is replayed"
+                f"{context.case_name}: runs {number} and {number + 1} hold the same samples; record each by"
+                " itself, and do not 'rewind' what is replayed"
             )
 
 
