@@ -129,6 +129,8 @@ _EXAMPLES = {
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?(?![0-9])")
 _LONGEST = 100
+# Shown as examples where a quantity of any dimension may stand.
+_ANY = (Dimension.RATE, Dimension.NUMBER)
 QUANTITY_PATTERN = r"^\s*[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]{1,3})?\s*[A-Za-z°%√µμ(]"
 _UNIT_BEGINS = re.compile(r"[ \t]*[A-Za-z°%√µμ(]")
 
@@ -151,7 +153,7 @@ class Quantity:
 def parse_quantity(text: Any, dimension: Dimension | tuple[Dimension, ...] = ()) -> Quantity:
     """Read `NUMBER UNIT` of a dimension (one of several; none given: any); raises `UnitError`."""
     dimensions = dimension if isinstance(dimension, tuple) else (dimension,)
-    hint = f"write e.g. '{(dimensions[0] if dimensions else Dimension.RATE).example()}'"
+    hint = f"write e.g. {' or '.join(repr(one.example()) for one in dimensions[:1] or _ANY)}"
     if isinstance(text, bool) or not isinstance(text, str):
         raise UnitError(f"{_found(text)} is not a quantity (a number and its unit); {hint}")
     stripped = text.strip(" \t\r\n")

@@ -34,11 +34,11 @@ def _ramp_deg(rate_dps: float, acceleration_dps2: float) -> float:
 
 def rotation_faults(plan: Plan, motion: Motion) -> tuple[str, ...]:
     """What a stage with this motion cannot do of a plan; nothing is commanded for it."""
-    faults = [
-        f"step '{step.name}': {fault}"
-        for step in plan.steps
-        for fault in _step_faults(step, plan, motion)
-    ]
+    found: dict[str, list[str]] = {}
+    for step in plan.steps:
+        for fault in _step_faults(step, plan, motion):
+            found.setdefault(fault, []).append(step.name)
+    faults = [f"{_steps(names)}: {fault}" for fault, names in found.items()]
     if plan.rotates and not motion.slip_ring and (motion.max_turns or 0.0) < 1.0:
         stated = (
             "nothing is stated"
@@ -50,6 +50,12 @@ def rotation_faults(plan: Plan, motion: Motion) -> tuple[str, ...]:
             " cables that stand a turn and write 'max_turns: 1', or 'slip_ring: true'"
         )
     return tuple(faults)
+
+
+def _steps(names: list[str]) -> str:
+    more = len(names) - 1
+    also = f" and {more} more step{'s' if more > 1 else ''}" if more else ""
+    return f"step '{names[0]}'{also}"
 
 
 def _step_faults(step: Step, plan: Plan, motion: Motion) -> Iterator[str]:

@@ -124,7 +124,7 @@ def _motion(motion: Motion | None) -> str:
     if motion.slip_ring:
         turns = ", with a slip ring"
     elif motion.max_turns is not None:
-        turns = f", {plain(motion.max_turns)} turns either way"
+        turns = f", {plain(motion.max_turns)} turn{'' if motion.max_turns == 1 else 's'} either way"
     most = printed_text(f"{motion.max_rate}, {motion.max_acceleration}").replace("/s/s", "/s²")
     return f": at most {most}{turns}"
 

@@ -18,3 +18,14 @@ class Described:
         if self.example:
             described["examples"] = [self.example]
         return described
+
+
+@dataclass(frozen=True, slots=True)
+class EarlierCase:
+    """Annotation of a parameter that names a case before its own, of a procedure (None: of any)."""
+
+    procedure: str | None = None
+
+    def accepts(self, procedure: str) -> bool:
+        """Whether a case of this procedure may be named."""
+        return self.procedure is None or procedure == self.procedure

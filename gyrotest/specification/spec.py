@@ -13,6 +13,7 @@ from gyrotest.registry import PROCEDURES, load
 from gyrotest.specification.axes import output_axes_complaints
 from gyrotest.specification.cases import Catalogue, case_complaints
 from gyrotest.specification.checked import Complaint, checked, unrelated
+from gyrotest.specification.earlier_cases import earlier_case_complaints
 from gyrotest.specification.limits import unknown_measurand
 from gyrotest.specification.parameters import section_or_raise
 from gyrotest.specification.power import supply_complaints
@@ -86,6 +87,7 @@ def _complaints(
             yield Complaint(key, message)
         found = case_complaints(case, spec.output, procedures, key, earlier)
         yield from unrelated(found, earlier)
+    yield from unrelated(earlier_case_complaints(spec.cases, procedures), earlier)
 
 
 def _head_complaints(spec: Spec) -> Iterator[Complaint]:

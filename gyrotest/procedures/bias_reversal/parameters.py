@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from gyrotest.procedures.table_steps import TableParameters, table_complaints
-from gyrotest.records.described import Described
+from gyrotest.records.described import Described, EarlierCase
 from gyrotest.records.result import Measurand
 from gyrotest.records.spec import Case, Output
 from gyrotest.units import Dimension, OfDimension, Quantity
@@ -24,6 +24,7 @@ class BiasReversalParameters(TableParameters):
     ] = _RATE
     scale_factor_from: Annotated[
         str | None,
+        EarlierCase(),
         Described(
             "an earlier case of the spec whose scale factor and asymmetry are used; the nominal one by default",
             "scale_factor",

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from gyrotest.procedures.case_plan import plan_of_steps, step_samples
 from gyrotest.procedures.table_steps import TableParameters, table_complaints
-from gyrotest.records.described import Described
+from gyrotest.records.described import Described, EarlierCase
 from gyrotest.records.plan import Plan
 from gyrotest.records.spec import Case, Output
 from gyrotest.units import Dimension, OfDimension, Quantity
@@ -20,6 +20,7 @@ class CompensationParameters(TableParameters):
 
     scale_factor_from: Annotated[
         str,
+        EarlierCase("scale_factor"),
         Described(
             "the `scale_factor` case, which stands before this one, whose scale factor and bias are applied",
             "scale_factor",

@@ -7,7 +7,7 @@ from enum import StrEnum
 from typing import Annotated, ClassVar
 
 from gyrotest.procedures.case_plan import step_samples
-from gyrotest.records.described import Described
+from gyrotest.records.described import Described, EarlierCase
 from gyrotest.records.plan import Placement, Pointing, Rotating, Step
 from gyrotest.records.spec import Case
 from gyrotest.units import Dimension, OfDimension, Quantity
@@ -93,6 +93,7 @@ class GSensitivityParameters:
     ] = 7.5
     scale_factor_from: Annotated[
         str | None,
+        EarlierCase(),
         Described(
             "an earlier case of the spec whose scale factor is used; the nominal one by default",
             "scale_factor",
@@ -100,6 +101,7 @@ class GSensitivityParameters:
     ] = None
     compare_with: Annotated[
         str | None,
+        EarlierCase("g_sensitivity"),
         Described(
             "an earlier case of this procedure that measured the same by the other method", "positions"
         ),

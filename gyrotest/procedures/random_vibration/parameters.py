@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar
 
 from gyrotest.analysis.cross_spectra import PERIODS
 from gyrotest.procedures.vibration_channels import CUT_OFF
-from gyrotest.records.described import Described
+from gyrotest.records.described import Described, EarlierCase
 from gyrotest.records.plan import Excitation, Vibrating
 from gyrotest.units import Dimension, OfDimension, Quantity
 
@@ -103,6 +103,7 @@ class RandomVibrationParameters:
     ] = None
     compare_with: Annotated[
         str | None,
+        EarlierCase("sine_vibration"),
         Described(
             "an earlier case of procedure `sine_vibration`, with whose results those here are compared",
             "sine",

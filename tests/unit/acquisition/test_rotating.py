@@ -390,6 +390,14 @@ def test_everything_that_it_cannot_do_is_named_with_its_numbers() -> None:
     assert "its samples last 60 s, in which 360° are turned" in late
 
 
+def test_what_several_steps_have_wrong_alike_is_told_once() -> None:
+    short = (replace(THERE, run_up_deg=2.0), replace(BACK, run_up_deg=2.0))
+    (fault,) = rotation_faults(plan_of(*short, *short), MOTION)
+    assert fault.startswith("step 'step 1' and 3 more steps: the run-up of 2° is too short")
+    (fault,) = rotation_faults(plan_of(*short), MOTION)
+    assert fault.startswith("step 'step 1' and 1 more step: ")
+
+
 @pytest.mark.parametrize(
     ("turns", "stated"), [(None, "nothing is stated"), (0.5, "±0.5 turns are stated")]
 )
