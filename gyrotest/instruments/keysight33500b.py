@@ -75,8 +75,14 @@ class Keysight33500B:
         self._order: _Order | None = None
 
     def open(self) -> Identity:
-        """Connect, ask who is there and reset, by which the output is off; raises `InstrumentError`."""
-        return self._session.open()
+        """Connect, ask who is there, reset, and see that the output is off; raises `InstrumentError`."""
+        identity = self._session.open()
+        if self._is_on():
+            raise InstrumentError(
+                f"{self._session.talk.who}: {self._out}? gives 1 after a reset, expected 0; is it set by hand, or"
+                " by another program?"
+            )
+        return identity
 
     def random(self, *, rms_dps: float, low_hz: float, high_hz: float) -> None:
         """Give noise up to a frequency and return at once; raises `InstrumentError`.

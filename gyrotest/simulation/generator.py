@@ -210,7 +210,8 @@ class SimulatedWaveform:
             history, record = tuple(self._history), self._record
             position = record.position(origin_s, interval_s)
         volts = np.zeros(count)
-        ends_s = (*(one.from_s for one in history[1:]), math.inf)
+        # Before it is told anything there is nothing to begin with.
+        ends_s = (*(one.from_s for one in history[1:]), math.inf)[: len(history)]
         for phase, end_s in zip(history, ends_s, strict=True):
             part = grid.between(phase.from_s, min(end_s, self.off_from_s))
             if part.count and phase.wave.on:

@@ -65,6 +65,7 @@ def set_up(
     ]
 
 
+OPENED: list[Turn] = [*opening(IDN), *asked(("OUTP1", "0"))]
 OFF: list[Turn] = [*said("OUTP1 OFF"), *asked(("OUTP1", "0"))]
 # 10 °/s by 20 °/s/V, and the share that noise from 0 to 100 Hz has from 5 Hz on.
 RANDOM = set_up("NOIS", ("FUNC:NOIS:BAND", "100"), "0.512989")
@@ -72,7 +73,7 @@ SINE = set_up("SIN", ("FREQ", "12.5"), "0.5")
 
 
 def test_noise_has_the_level_that_its_band_gets_and_is_switched_off_at_the_end() -> None:
-    with Dialogue([*opening(IDN), *RANDOM, *OFF]) as wire:
+    with Dialogue([*OPENED, *RANDOM, *OFF]) as wire:
         drive = generator(wire)
         assert drive.open().serial_number == "MY57001234"
         drive.random(rms_dps=10.0, low_hz=5.0, high_hz=100.0)
@@ -82,7 +83,7 @@ def test_noise_has_the_level_that_its_band_gets_and_is_switched_off_at_the_end()
 
 def test_a_sine_is_set_by_its_rms_and_checked_while_it_lasts() -> None:
     check = asked(("OUTP1", "1"), ("SOUR1:FUNC", "SIN"), ("SOUR1:VOLT", "+5.0E-01"))
-    with Dialogue([*opening(IDN), *SINE, *check, *OFF]) as wire:
+    with Dialogue([*OPENED, *SINE, *check, *OFF]) as wire:
         drive = generator(wire)
         drive.open()
         drive.sine(rms_dps=10.0, frequency_hz=12.5)
@@ -114,7 +115,7 @@ SWEEP: list[Turn] = [
 
 
 def test_a_sweep_goes_on_from_the_sine_that_is_there_already() -> None:
-    with Dialogue([*opening(IDN), *SINE, *SWEEP, *OFF]) as wire:
+    with Dialogue([*OPENED, *SINE, *SWEEP, *OFF]) as wire:
         drive = generator(wire)
         drive.open()
         drive.sine(rms_dps=10.0, frequency_hz=12.5)
@@ -123,7 +124,7 @@ def test_a_sweep_goes_on_from_the_sine_that_is_there_already() -> None:
 
 
 def test_a_sweep_after_anything_else_begins_with_its_first_frequency() -> None:
-    with Dialogue([*opening(IDN), *RANDOM, *SINE, *SWEEP, *OFF]) as wire:
+    with Dialogue([*OPENED, *RANDOM, *SINE, *SWEEP, *OFF]) as wire:
         drive = generator(wire)
         drive.open()
         drive.random(rms_dps=10.0, low_hz=5.0, high_hz=100.0)
@@ -134,7 +135,7 @@ def test_a_sweep_after_anything_else_begins_with_its_first_frequency() -> None:
 def test_the_second_output_and_a_load_of_50_ohm_are_named() -> None:
     second = set_up("SIN", ("FREQ", "12.5"), "0.5", load="50", channel=2)
     off: list[Turn] = [*said("OUTP2 OFF"), *asked(("OUTP2", "0"))]
-    with Dialogue([*opening(IDN), *second, *off]) as wire:
+    with Dialogue([*opening(IDN), *asked(("OUTP2", "0")), *second, *off]) as wire:
         drive = generator(wire, output=2, load="50 ohm")
         drive.open()
         drive.sine(rms_dps=10.0, frequency_hz=12.5)
@@ -169,7 +170,7 @@ def test_the_second_output_and_a_load_of_50_ohm_are_named() -> None:
 def test_what_the_station_does_not_allow_is_refused_before_anything_is_sent(
     ask: Callable[[VibrationDrive], None], told: str
 ) -> None:
-    with Dialogue(opening(IDN)) as wire:
+    with Dialogue(OPENED) as wire:
         drive = generator(wire)
         drive.open()
         with pytest.raises(InstrumentError, match=f"{RESOURCE}: .*{told}.*; nothing was sent"):
@@ -193,7 +194,7 @@ def test_settings_that_make_no_sense_are_refused(changed: dict[str, Any], told: 
 
 def test_a_setting_that_is_read_back_otherwise_ends_it_before_the_output_is_on() -> None:
     turns: list[Turn] = [
-        *opening(IDN),
+        *OPENED,
         *[one for one in SINE if b"?" not in one[0]][:8],
         *ERRORS,
         *asked(("OUTP1", "0"), ("SOUR1:FREQ:MODE", "CW"), ("OUTP1:LOAD", "+5.0E+01")),
@@ -208,7 +209,7 @@ def test_a_setting_that_is_read_back_otherwise_ends_it_before_the_output_is_on()
 
 def test_what_the_generator_itself_refuses_is_told_in_its_own_words() -> None:
     refused: Turn = (b"SYST:ERR?\n", b'-222,"Data out of range"\n')
-    turns = [*opening(IDN), *[one for one in SINE if b"?" not in one[0]][:8], refused, *ERRORS]
+    turns = [*OPENED, *[one for one in SINE if b"?" not in one[0]][:8], refused, *ERRORS]
     with Dialogue(turns) as wire:
         drive = generator(wire)
         drive.open()
@@ -233,7 +234,7 @@ def test_what_the_generator_itself_refuses_is_told_in_its_own_words() -> None:
 def test_an_output_that_does_something_else_is_told_by_the_check(
     found: tuple[tuple[str, str], ...], told: str
 ) -> None:
-    with Dialogue([*opening(IDN), *SINE, *asked(*found), *OFF]) as wire:
+    with Dialogue([*OPENED, *SINE, *asked(*found), *OFF]) as wire:
         drive = generator(wire)
         drive.open()
         drive.sine(rms_dps=10.0, frequency_hz=12.5)
@@ -243,11 +244,19 @@ def test_an_output_that_does_something_else_is_told_by_the_check(
 
 
 def test_nothing_is_checked_that_was_not_asked_for() -> None:
-    with Dialogue(opening(IDN)) as wire:
+    with Dialogue(OPENED) as wire:
         drive = generator(wire)
         drive.open()
         with pytest.raises(InstrumentError, match="nothing was asked of it since it was stopped"):
             drive.check()
+
+
+def test_an_output_that_a_reset_leaves_on_is_told_of() -> None:
+    with Dialogue([*opening(IDN), *asked(("OUTP1", "1"))]) as wire:
+        drive = generator(wire)
+        with pytest.raises(InstrumentError, match=r"OUTP1\? gives 1 after a reset, expected 0"):
+            drive.open()
+        drive.close()
 
 
 def test_another_instrument_is_refused_before_it_is_reset() -> None:

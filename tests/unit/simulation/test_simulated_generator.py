@@ -50,6 +50,10 @@ def test_the_driver_leads_to_a_peer_that_excites_and_says_that_it_is_simulated()
     assert bench.told("*IDN?").split(",")[2].startswith("SIM")
 
 
+def test_a_generator_that_was_told_nothing_gives_nothing() -> None:
+    assert not Bench().given(-100, 200).any()
+
+
 def test_it_gives_nothing_before_it_is_switched_on_and_after_it_is_switched_off() -> None:
     bench = Bench()
     bench.clock.advance(1.0)
