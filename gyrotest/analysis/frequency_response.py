@@ -22,8 +22,9 @@ class Response:
     `gain` is in the output's unit a °/s; `phase_deg` lies in −180 … 180, a lag negative. `coherence` is
     corrected for its bias. `error` is the random error, one standard deviation: relative of the gain, in
     radians of the phase; inf where there is no coherence. `common` (k, q) moves the logarithm of the gain at
-    all lines together: q independent standard deviations by what the noise ratio is not known. `averages`,
-    `segment_s` and `correlation` are those of the spectra.
+    all lines together: q independent standard deviations by what the noise ratio is not known. `leaning`
+    says which channel the noise is on: 1 the output, −1 the reference. `averages`, `segment_s` and
+    `correlation` are those of the spectra.
     """
 
     frequency_hz: _Array
@@ -32,6 +33,7 @@ class Response:
     coherence: _Array
     error: _Array
     common: _Array
+    leaning: _Array
     averages: float
     segment_s: float
     correlation: _Array
@@ -50,12 +52,14 @@ def h1(spectra: Spectra) -> Response:
     InsufficientDataError
         Fewer than 8 independent averages, or a channel that stands still at a frequency.
     """
-    return _response(spectra, np.abs(spectra.cross) / _moving(spectra.reference, spectra, "reference"))
+    gain = np.abs(spectra.cross) / _moving(spectra.reference, spectra, "reference")
+    return _response(spectra, gain, leaning=np.ones(gain.size))
 
 
 def h2(spectra: Spectra) -> Response:
     """Estimate G22/G12: unbiased where all noise is on the reference, else too large; raises as `h1` does."""
-    return _response(spectra, spectra.output / _moving(np.abs(spectra.cross), spectra, "output"))
+    gain = spectra.output / _moving(np.abs(spectra.cross), spectra, "output")
+    return _response(spectra, gain, leaning=-np.ones(gain.size))
 
 
 def hv(spectra: Spectra, noise_ratio: NoiseRatio) -> Response:
@@ -95,7 +99,8 @@ def hv(spectra: Spectra, noise_ratio: NoiseRatio) -> Response:
     )
     by_ratio = -kappa * (gain * spectra.reference - cross) / (gain * root)
     common = by_ratio[:, np.newaxis] * noise_ratio.deviations(frequency_hz)
-    return _response(spectra, gain, common=common)
+    leaning = (kappa - gain**2) / (kappa + gain**2)
+    return _response(spectra, gain, leaning=leaning, common=common)
 
 
 def coherence(spectra: Spectra) -> _Array:
@@ -136,7 +141,9 @@ def random_error(coherence: _Array, averages: float) -> _Array:
     return np.where(there, np.sqrt((1.0 - known) / (2.0 * averages * known)), np.inf)
 
 
-def _response(spectra: Spectra, gain: _Array, *, common: _Array | None = None) -> Response:
+def _response(
+    spectra: Spectra, gain: _Array, *, leaning: _Array, common: _Array | None = None
+) -> Response:
     if spectra.averages < FEWEST_AVERAGES:
         raise InsufficientDataError(
             f"{spectra.segments} segments of {spectra.segment_s:g} s that overlap by half are worth"
@@ -151,6 +158,7 @@ def _response(spectra: Spectra, gain: _Array, *, common: _Array | None = None) -
         coherence=_fixed(found),
         error=_fixed(random_error(found, spectra.averages)),
         common=_fixed(np.zeros((gain.size, 0)) if common is None else common),
+        leaning=_fixed(leaning),
         averages=spectra.averages,
         segment_s=spectra.segment_s,
         correlation=spectra.correlation,

@@ -17,6 +17,7 @@ HALF_POWER = -0.5 * math.log(2.0)
 
 _FINEST = 1e-8
 _COARSEST = 0.3
+_MOST_NOISE = 4.0
 _GRID = 2001
 
 
@@ -121,7 +122,10 @@ def fit_response(
     Notes
     -----
     S4.6, weighted by 1/ε². The logarithm is fitted, because the error of the gain is relative, and because
-    noise makes the mean of gains too large (by ε²/2), but not that of their logarithms.
+    noise makes the mean of gains too large (by ε²/2), but not that of their logarithms. The ε of a line is
+    estimated from its own coherence, which is larger where noise has made its gain larger (smaller, if the
+    noise is on the reference): so weighted, the mean would be wrong by 2ε², however many lines there are.
+    The weights of the fit are those with the gain of a first fit, of as high a degree as is looked for a lack.
     """
     used = response.coherence >= coherence_floor
     used &= response.error <= _COARSEST
@@ -130,6 +134,12 @@ def fit_response(
     lines = _chosen(response, used)
     low, high = float(lines.frequency_hz[0]), float(lines.frequency_hz[-1])
     error = np.maximum(lines.error, _FINEST)  # a weight, where a simulation has no noise at all
+    first = fit_band_polynomial(
+        _estimates(lines, np.log(lines.gain), error, lines.common), low=low, high=high, degree=degree
+    )
+    smooth = first.value(lines.frequency_hz) + first.rows(lines.frequency_hz) @ first.lack
+    by_noise = np.clip(np.log(lines.gain) - smooth, -_MOST_NOISE * error, _MOST_NOISE * error)
+    error *= np.exp(lines.leaning * by_noise)
     gain = _estimates(lines, np.log(lines.gain), error, lines.common)
     none = np.zeros((error.size, 0))
     phase = _estimates(lines, lines.phase_deg, np.degrees(error), none)
@@ -263,6 +273,7 @@ def _chosen(response: Response, used: NDArray[np.bool_]) -> Response:
         coherence=_fixed(response.coherence[used]),
         error=_fixed(response.error[used]),
         common=_fixed(response.common[used]),
+        leaning=_fixed(response.leaning[used]),
     )
 
 
