@@ -6,6 +6,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from gyrotest.analysis.fixed import fixed
 from gyrotest.errors import InsufficientDataError
 
 _Array = NDArray[np.float64]
@@ -127,12 +128,12 @@ def fit_band_polynomial(estimates: Estimates, *, low: float, high: float, degree
     return BandPolynomial(
         low=low,
         high=high,
-        coefficients=_fixed(narrow.coefficients),
-        covariance=_fixed(narrow.covariance),
+        coefficients=fixed(narrow.coefficients),
+        covariance=fixed(narrow.covariance),
         residual_rms=narrow.residual_rms,
         misfit=misfit.value,
         fit_probability=misfit.probability,
-        lack=_fixed(lack),
+        lack=fixed(lack),
         lack_rms=float(np.sqrt(np.mean((even @ lack) ** 2))),
         lack_probability=_exceeded(squares, EXTRA),
     )
@@ -225,8 +226,3 @@ def _exceeded(squares: float, freedom: float) -> float:
     from scipy.special import chdtrc
 
     return float(chdtrc(freedom, squares))
-
-
-def _fixed(array: _Array) -> _Array:
-    array.setflags(write=False)
-    return array

@@ -8,19 +8,18 @@ spectrum falls steeply (0.25 % at twenty periods a segment).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TypeVar
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gyrotest.analysis.fixed import fixed
 from gyrotest.analysis.segment_lines import SegmentLines
 from gyrotest.analysis.taper import Taper, taper
 from gyrotest.errors import InsufficientDataError
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
-_Number = TypeVar("_Number", np.float64, np.complex128)
 
 PERIODS = 20
 """Periods of the lowest frequency in the shortest default segment."""
@@ -46,13 +45,6 @@ class Spectra:
     averages: float
     segment_s: float
     correlation: _Array  # (m,)
-
-    def with_reference_later(self, skew_s: float) -> "Spectra":
-        """Correct the cross spectrum for a reference that is sampled so much later than the output.
-
-        What is sampled later leads by 2πf·skew, so that the output seems to lag: S4.8.
-        """
-        return replace(self, cross=_fixed(self.cross * np.exp(2j * np.pi * self.frequency_hz * skew_s)))
 
 
 def default_segment(*, rate_hz: float, low_hz: float) -> int:
@@ -168,14 +160,14 @@ class CrossSpectra:
         density = 2.0 / (self.rate_hz * self.segment * self._taper.power * self.segments)
         variance = _variances(self._taper, self._stretches)
         return Spectra(
-            frequency_hz=_fixed(self._lines.kept / self.segment_s),
-            reference=_fixed(self._sums[0] * density),
-            output=_fixed(self._sums[1] * density),
-            cross=_fixed(self._cross * density),
+            frequency_hz=fixed(self._lines.kept / self.segment_s),
+            reference=fixed(self._sums[0] * density),
+            output=fixed(self._sums[1] * density),
+            cross=fixed(self._cross * density),
             segments=self.segments,
             averages=float(1.0 / variance[0]),
             segment_s=self.segment_s,
-            correlation=_fixed(variance / variance[0]),
+            correlation=fixed(variance / variance[0]),
         )
 
     def _average(self) -> None:
@@ -219,13 +211,13 @@ def pooled(runs: Sequence[Spectra]) -> Spectra:
     )
     return Spectra(
         frequency_hz=first.frequency_hz,
-        reference=_fixed(np.average([one.reference for one in runs], axis=0, weights=shares)),
-        output=_fixed(np.average([one.output for one in runs], axis=0, weights=shares)),
-        cross=_fixed(np.average([one.cross for one in runs], axis=0, weights=shares)),
+        reference=fixed(np.average([one.reference for one in runs], axis=0, weights=shares)),
+        output=fixed(np.average([one.output for one in runs], axis=0, weights=shares)),
+        cross=fixed(np.average([one.cross for one in runs], axis=0, weights=shares)),
         segments=segments,
         averages=float(1.0 / variance[0]),
         segment_s=first.segment_s,
-        correlation=_fixed(variance / variance[0]),
+        correlation=fixed(variance / variance[0]),
     )
 
 
@@ -240,8 +232,3 @@ def _variances(shape: Taper, stretches: Sequence[int]) -> _Array:
     pairs = sum(count - 1 for count in stretches if count)
     found: _Array = (segments * shape.same + 2.0 * pairs * shape.next) / segments**2
     return found
-
-
-def _fixed(array: NDArray[_Number]) -> NDArray[_Number]:
-    array.setflags(write=False)
-    return array

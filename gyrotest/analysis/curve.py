@@ -2,15 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gyrotest.analysis.fixed import fixed
 from gyrotest.analysis.interval import ONE_SIGMA, Bounds, deviation_bounds
 from gyrotest.errors import InsufficientDataError
-
-_Kind = TypeVar("_Kind", np.int8, np.int64, np.float64)
 
 GROUPS = 9
 """Independent groups that the longest default averaging time leaves."""
@@ -44,14 +42,14 @@ class AllanDeviation:
             raise ValueError(f"the curve has no averaging factor {missing[0]}")
         chosen = np.searchsorted(self.averaging_factor, wanted)
         return AllanDeviation(
-            averaging_factor=_fixed(self.averaging_factor[chosen]),
-            tau_s=_fixed(self.tau_s[chosen]),
-            deviation_dps=_fixed(self.deviation_dps[..., chosen]),
-            n_differences=_fixed(self.n_differences[chosen]),
-            edf=_fixed(self.edf[..., chosen]),
-            lower_dps=_fixed(self.lower_dps[..., chosen]),
-            upper_dps=_fixed(self.upper_dps[..., chosen]),
-            noise_type=_fixed(self.noise_type[..., chosen]),
+            averaging_factor=fixed(self.averaging_factor[chosen]),
+            tau_s=fixed(self.tau_s[chosen]),
+            deviation_dps=fixed(self.deviation_dps[..., chosen]),
+            n_differences=fixed(self.n_differences[chosen]),
+            edf=fixed(self.edf[..., chosen]),
+            lower_dps=fixed(self.lower_dps[..., chosen]),
+            upper_dps=fixed(self.upper_dps[..., chosen]),
+            noise_type=fixed(self.noise_type[..., chosen]),
         )
 
     def bounds_dps(self, confidence: float = 0.95) -> Bounds:
@@ -71,14 +69,14 @@ def bounded_curve(
     """Return the curve with its 68.27 % bounds; the arrays handed in become read-only."""
     bounds = deviation_bounds(deviation_dps, edf, confidence=ONE_SIGMA)
     return AllanDeviation(
-        averaging_factor=_fixed(averaging_factor),
-        tau_s=_fixed(averaging_factor / sample_rate_hz),
-        deviation_dps=_fixed(deviation_dps),
-        n_differences=_fixed(n_differences),
-        edf=_fixed(edf),
-        lower_dps=_fixed(bounds.lower),
-        upper_dps=_fixed(bounds.upper),
-        noise_type=_fixed(noise_type),
+        averaging_factor=fixed(averaging_factor),
+        tau_s=fixed(averaging_factor / sample_rate_hz),
+        deviation_dps=fixed(deviation_dps),
+        n_differences=fixed(n_differences),
+        edf=fixed(edf),
+        lower_dps=fixed(bounds.lower),
+        upper_dps=fixed(bounds.upper),
+        noise_type=fixed(noise_type),
     )
 
 
@@ -122,8 +120,3 @@ def checked_sample_rate(sample_rate_hz: float) -> None:
     """Raise `ValueError` unless a sample rate is positive and finite."""
     if not (np.isfinite(sample_rate_hz) and sample_rate_hz > 0.0):
         raise ValueError(f"a sample rate is a positive, finite number of Hz, found {sample_rate_hz!r}")
-
-
-def _fixed(array: NDArray[_Kind]) -> NDArray[_Kind]:
-    array.setflags(write=False)
-    return array

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gyrotest.analysis.fixed import fixed
 from gyrotest.analysis.interval import chi_square_quantile
 from gyrotest.analysis.response_curve import ResponseCurve
 from gyrotest.errors import InsufficientDataError
@@ -79,9 +80,9 @@ def response_repeatability(
     phase_noise = [3.0 * one.phase.random(one.phase.rows(where)) for one in runs]
     return ResponseRepeatability(
         runs=len(runs),
-        frequency_hz=_fixed(where),
-        amplitude_percent=_fixed(amplitude),
-        phase_deg=_fixed(angle),
+        frequency_hz=fixed(where),
+        amplitude_percent=fixed(amplitude),
+        phase_deg=fixed(angle),
         amplitude=_largest(where, amplitude, noise, runs[0].log_gain.coefficients.size),
         phase=_largest(where, angle, phase_noise, runs[0].phase.coefficients.size),
     )
@@ -117,8 +118,3 @@ def _on_one_branch(phase_deg: _Array) -> _Array:
     turns = np.rint((phase_deg[:, middle] - phase_deg[0, middle]) / 360.0)
     found: _Array = phase_deg - 360.0 * turns[:, np.newaxis]
     return found
-
-
-def _fixed(array: _Array) -> _Array:
-    array.setflags(write=False)
-    return array

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gyrotest.analysis.fixed import fixed
 from gyrotest.errors import InsufficientDataError
 
 _Array = NDArray[np.float64]
@@ -115,7 +116,7 @@ class SineSums:
             sine=float(sine),
             cosine=float(cosine),
             offset=float(offset) + self._origin,
-            covariance=_fixed(variance * inverse),
+            covariance=fixed(variance * inverse),
             residual_rms=math.sqrt(variance * freedom / samples),
             degrees_of_freedom=freedom,
             samples=samples,
@@ -282,7 +283,7 @@ def _fitted(step: _Step, per_sample: float, interval_s: float) -> SineFit:
         sine=float(step.solution[0]),
         cosine=float(step.solution[1]),
         offset=float(step.solution[2]) + step.origin,
-        covariance=_fixed(covariance[:3, :3]),
+        covariance=fixed(covariance[:3, :3].copy()),
         residual_rms=math.sqrt(step.squares / step.samples),
         degrees_of_freedom=freedom,
         samples=step.samples,
@@ -306,9 +307,3 @@ def _inverse(normal: _Array) -> _Array:
         raise InsufficientDataError("the record is too short for a sine: it holds no period of it")
     inverse: _Array = np.linalg.inv(scaled) / np.outer(scale, scale)
     return inverse
-
-
-def _fixed(values: _Array) -> _Array:
-    values = np.array(values)
-    values.setflags(write=False)
-    return values

@@ -84,15 +84,6 @@ def test_a_lag_has_a_negative_phase() -> None:
     assert abs(error_deg.mean()) < 0.03
 
 
-def test_a_reference_that_is_sampled_later_is_corrected() -> None:
-    angle, _ = record(40_000)
-    rate = np.gradient(angle) * RATE_HZ
-    found = of(angle[2:], rate[:-2]).with_reference_later(2 / RATE_HZ)
-    error_deg = np.degrees(np.angle(found.cross))
-    assert np.abs(error_deg).max() < 0.2
-    assert abs(error_deg.mean()) < 0.02
-
-
 @pytest.mark.parametrize("window", ["hann", "blackman", "nuttall"])
 def test_an_angle_whose_rate_is_white_gives_a_white_rate(window: str) -> None:
     random = np.random.default_rng(3)
