@@ -82,6 +82,9 @@ def _rotating_faults(plan: Plan, station: Station, name: str, slot: Slot) -> Ite
             f"reads the stage's angle beside the gyro, and {place} has no encoder; give it an 'encoder', e.g."
             " {angle: angle}"
         )
+    if any(isinstance(step.stimulus, Rotating) for step in plan.steps):
+        yield from _asynchronous_faults(station, place, slot)
+    yield from _mounting_faults(plan, slot, place)
     motion = station.instruments[slot.table].motion if slot.table is not None else None
     if motion is None:
         if slot.table is not None:
@@ -109,6 +112,16 @@ def _shaft_faults(stage: Instrument, name: str) -> Iterator[str]:
         )
 
 
+def _mounting_faults(plan: Plan, slot: Slot, place: str) -> Iterator[str]:
+    """Turned about its sensitive axis a unit has that axis where the slot's frame puts it, in every mounting."""
+    for axis in sorted({one.sensitive_axis for one in plan.placements}):
+        if slot.frame.get(axis) in {"y", "-y"}:
+            yield (
+                f"{place} puts the sensitive axis {axis} along the shaft ('frame'), where it feels no gravity that"
+                " turns; it must lie across it: correct the frame, or the case's 'parameters.sensitive_axis'"
+            )
+
+
 def _no_motion(table: str, turns: str) -> str:
     return (
         f"instrument '{table}' has no 'motion': state how fast and how far it may turn, e.g."
@@ -124,15 +137,8 @@ def _vibrating_faults(plan: Plan, station: Station, name: str, slot: Slot) -> It
             " it an 'encoder', e.g. {sine: ua, cosine: ub, lines: 9000}, or choose another station by"
             " --gyro-station"
         )
-    source = station.instruments[slot.source]
-    driver = load(INSTRUMENTS, source.driver)
-    replays = issubclass(driver, Playback)
-    if not replays and not issubclass(driver, SyncDaq):
-        yield (
-            f"needs the gyro's output and the encoder sampled at the same instants, and the source '{slot.source}'"
-            f" ({source.driver}) of {place} does not do that; read both by a synchronous source, e.g. sync_stream"
-        )
-    if replays:
+    yield from _asynchronous_faults(station, place, slot)
+    if issubclass(load(INSTRUMENTS, station.instruments[slot.source].driver), Playback):
         return
     if slot.vibration is not None:
         yield from _drive_faults(plan, station, slot.vibration)
@@ -140,6 +146,17 @@ def _vibrating_faults(plan: Plan, station: Station, name: str, slot: Slot) -> It
         yield (
             f"vibrates the unit, and {place}, a simulated one, has nothing that drives a vibration table; give the"
             " slot a 'vibration', e.g. an instrument with the driver keysight33500b"
+        )
+
+
+def _asynchronous_faults(station: Station, place: str, slot: Slot) -> Iterator[str]:
+    """Whether output and encoder are sampled by one clock; of what is played back the file tells."""
+    source = station.instruments[slot.source]
+    driver = load(INSTRUMENTS, source.driver)
+    if not issubclass(driver, Playback) and not issubclass(driver, SyncDaq):
+        yield (
+            f"needs the gyro's output and the encoder sampled at the same instants, and the source '{slot.source}'"
+            f" ({source.driver}) of {place} does not do that; read both by a synchronous source, e.g. sync_stream"
         )
 
 

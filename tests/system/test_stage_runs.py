@@ -201,6 +201,10 @@ def without(*keys: str) -> str:
             STATION.replace("    encoder: {angle: angle, accuracy: 0.005 deg}\n", ""),
             "slot 'shaft_x' of station 'Simulated bench' has no encoder; give it an 'encoder'",
         ),
+        (
+            STATION.replace("frame: {x: x, y: y, z: z}", "frame: {x: -y, y: x, z: z}"),
+            "slot 'shaft_x' of station 'Simulated bench' puts the sensitive axis x along the shaft",
+        ),
         (STATION.replace(", max_turns: 1}", ", max_turns: 0.5}"), "of its cables ±0.5 turns are stated"),
         (
             STATION.replace(
@@ -209,7 +213,7 @@ def without(*keys: str) -> str:
             "the run-up of 15° is too short: from rest to 12 deg/s at 8 deg/s²",
         ),
     ],
-    ids=["shaft", "azimuth", "site", "encoder", "cables", "run-up"],
+    ids=["shaft", "azimuth", "site", "encoder", "frame", "cables", "run-up"],
 )
 def test_what_a_station_lacks_for_a_stage_is_refused_at_the_door_with_what_to_add(
     tmp_path: Path, station: str, said: str
