@@ -19,7 +19,7 @@ from gyrotest.analysis.response_curve import (
 from gyrotest.procedures.random_vibration.measurands import GROUP_DELAY, LABELS
 from gyrotest.procedures.random_vibration.measured import MeasuredResponse
 from gyrotest.procedures.random_vibration.parameters import RandomVibrationParameters
-from gyrotest.procedures.random_vibration.pointwise import evaluated
+from gyrotest.procedures.random_vibration.pointwise import evaluated, refuse_left_out
 from gyrotest.procedures.random_vibration.uncertainty import (
     delay_budget,
     gain_reading_budget,
@@ -50,6 +50,7 @@ def _flatness_result(measured: MeasuredResponse, parameters: RandomVibrationPara
 
     def found() -> Result:
         read = flatness(measured.curve, reference_hz=reference_hz, to_hz=to_hz)
+        refuse_left_out(measured, *read.at_hz)
         return budgeted_result(
             gain_reading_budget(measured, read, "%"),
             name=FLATNESS,
@@ -73,6 +74,7 @@ def _bandwidth_result(measured: MeasuredResponse, parameters: RandomVibrationPar
         if read is None:
             lowest = _certainly_above(measured, reference_hz)
             return _not_reached(measured, BANDWIDTH, label, condition, lowest)
+        refuse_left_out(measured, *read.at_hz)
         return budgeted_result(
             gain_reading_budget(measured, read, "Hz"),
             name=BANDWIDTH,
@@ -107,6 +109,7 @@ def _phase_90_result(measured: MeasuredResponse) -> Result:
         read = quarter_turn(measured.curve)
         if read is None:
             return _not_reached(measured, PHASE_90, label, "", _certainly_less(measured))
+        refuse_left_out(measured, *read.at_hz)
         return budgeted_result(
             (*phase_reading_budget(measured, read), *_of_skew(measured, read)),
             name=PHASE_90,

@@ -16,9 +16,12 @@ from gyrotest.procedures.vibration_names import (
     sensitivity_label,
     sensitivity_name,
 )
+from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.result import Result
 from gyrotest.units import conversion_factor
+
+_ROUNDING = 1e-6
 
 
 def sensitivity_result(measured: MeasuredResponse, frequency_hz: float, context: Context) -> Result:
@@ -28,6 +31,7 @@ def sensitivity_result(measured: MeasuredResponse, frequency_hz: float, context:
 
     def found() -> Result:
         gain = float(measured.curve.at(np.array([frequency_hz])).gain[0])
+        refuse_left_out(measured, frequency_hz)
         value = gain * scale_in(measured, unit)
         return budgeted_result(
             gain_budget(measured, frequency_hz, context, value=value, unit=unit),
@@ -47,17 +51,37 @@ def phase_result(measured: MeasuredResponse, frequency_hz: float) -> Result:
     name, label = phase_name(frequency_hz), phase_label(frequency_hz)
 
     def found() -> Result:
+        value = float(measured.curve.at(np.array([frequency_hz])).phase_deg[0])
+        refuse_left_out(measured, frequency_hz)
         return budgeted_result(
             phase_budget(measured, frequency_hz),
             name=name,
             label=label,
-            value=float(measured.curve.at(np.array([frequency_hz])).phase_deg[0]),
+            value=value,
             unit="deg",
             condition=_curve_words(measured),
             not_included=missing_of_phase(measured.sampling),
         )
 
     return evaluated(found, name, label, "deg")
+
+
+def refuse_left_out(measured: MeasuredResponse, *frequencies_hz: float) -> None:
+    """Refuse frequencies among lines that are left out, of which the curve knows nothing but what is beside.
+
+    A single line is none; raises `InsufficientDataError` with what is left out.
+    """
+    lines_hz, apart_hz = measured.curve.lines.frequency_hz, 1.0 / measured.response.segment_s
+    for frequency_hz in frequencies_hz:
+        if float(np.abs(lines_hz - frequency_hz).min()) <= (1.0 + _ROUNDING) * apart_hz:
+            continue
+        above = int(np.searchsorted(lines_hz, frequency_hz))
+        begin_hz, end_hz = lines_hz[above - 1] + apart_hz, lines_hz[above] - apart_hz
+        raise InsufficientDataError(
+            f"{plain(frequency_hz, 5)} Hz is among the frequencies that are left out for want of coherence,"
+            f" {plain(float(begin_hz), 5)} … {plain(float(end_hz), 5)} Hz; vibrate harder or longer, or find what"
+            " disturbs there"
+        )
 
 
 def scale_in(measured: MeasuredResponse, unit: str) -> float:
