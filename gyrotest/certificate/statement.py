@@ -50,7 +50,8 @@ def tally(record: RunRecord) -> str:
     held = judged(record)
     met = sum(result.verdict is Verdict.PASS for result in held)
     text = f"{met} of {len(held)} limits met" if held else "no limit judged"
-    return f"{text} · {_items(len(record.missing))} missing" if record.missing else text
+    missing = sum(bool(one.missing) for one in record.items) or len(record.missing)
+    return f"{text} · {_items(missing)} missing" if missing else text
 
 
 def rule_names(record: RunRecord) -> str:
