@@ -10,14 +10,17 @@ from gyrotest.procedures.random_vibration.measurands import (
     PHASE_REPEATABILITY,
 )
 from gyrotest.procedures.random_vibration.parameters import RandomVibrationParameters
-from gyrotest.procedures.scaling import nominal_complaints
+from gyrotest.procedures.vibration_complaints import (
+    LEAST_OVERSAMPLING,
+    repeated_frequencies,
+    vibration_complaints,
+)
 from gyrotest.records.spec import Case, Output
 from gyrotest.units import Quantity
 
 _MOST_RUNS = 50
 _FEWEST_DEGREES, _MOST_DEGREES = 1, 20
 _RUN_SEGMENTS, _REST_SEGMENTS = 10, 5
-_LEAST_OVERSAMPLING = 4.0
 _WHOLE = 1e-6
 
 
@@ -25,13 +28,7 @@ def random_complaints(
     case: Case, parameters: RandomVibrationParameters, output: Output
 ) -> Iterator[tuple[str, str]]:
     """Give every complaint: key below the case, and message."""
-    yield from nominal_complaints(output)
-    axes = case.axes or output.axes
-    if len(axes) > 1:
-        yield (
-            "axes",
-            f"names {len(axes)} axes, and the table vibrates about one; name that, e.g. [{axes[-1]}]",
-        )
+    yield from vibration_complaints(case, output, level=parameters.level, settle=parameters.settle)
     yield from _count_complaints(parameters)
     band = tuple(_band_complaints(parameters))
     yield from band
@@ -43,10 +40,6 @@ def random_complaints(
 
 
 def _count_complaints(parameters: RandomVibrationParameters) -> Iterator[tuple[str, str]]:
-    if parameters.level.value <= 0.0:
-        yield "parameters.level", f"'{parameters.level}' is not more than zero"
-    if parameters.settle.value < 0.0:
-        yield "parameters.settle", f"'{parameters.settle}' is less than zero"
     if not 1 <= parameters.runs <= _MOST_RUNS:
         yield "parameters.runs", f"{parameters.runs} is not between 1 and {_MOST_RUNS}"
     if not _FEWEST_DEGREES <= parameters.degree <= _MOST_DEGREES:
@@ -68,13 +61,9 @@ def _band_complaints(parameters: RandomVibrationParameters) -> Iterator[tuple[st
 
 
 def _frequency_complaints(parameters: RandomVibrationParameters) -> Iterator[tuple[str, str]]:
-    seen: set[float] = set()
+    yield from repeated_frequencies(parameters.frequencies)
     for place, one in enumerate(parameters.frequencies):
-        key = f"parameters.frequencies[{place}]"
-        if one.to("Hz") in seen:
-            yield key, f"'{one}' is there twice"
-        seen.add(one.to("Hz"))
-        yield from _outside(key, one, parameters)
+        yield from _outside(f"parameters.frequencies[{place}]", one, parameters)
     for name, given in (
         ("reference_frequency", parameters.reference_frequency),
         ("flat_to", parameters.flat_to),
@@ -98,8 +87,8 @@ def _filter_complaints(case: Case, parameters: RandomVibrationParameters) -> Ite
             "parameters.cutoff",
             f"'{parameters.cutoff}' does not lie above the highest frequency, '{parameters.high}'",
         )
-    elif rate_hz < _LEAST_OVERSAMPLING * cutoff_hz:
-        slowest = 1e3 / (_LEAST_OVERSAMPLING * cutoff_hz)
+    elif rate_hz < LEAST_OVERSAMPLING * cutoff_hz:
+        slowest = 1e3 / (LEAST_OVERSAMPLING * cutoff_hz)
         message = (
             f"'{case.interval}' is too slow for a low-pass of {cutoff_hz:g} Hz; at most {slowest:.3g} ms, and a"
             " tenth of a period of that where no analogue filter is stated"

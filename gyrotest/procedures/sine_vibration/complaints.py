@@ -5,8 +5,12 @@ from collections.abc import Iterator
 
 from gyrotest.analysis.sine_response import FEWEST_PERIODS, SWEPT_SHARE
 from gyrotest.procedures.case_plan import step_samples
-from gyrotest.procedures.scaling import nominal_complaints
 from gyrotest.procedures.sine_vibration.parameters import SineVibrationParameters, Sweep
+from gyrotest.procedures.vibration_complaints import (
+    LEAST_OVERSAMPLING,
+    repeated_frequencies,
+    vibration_complaints,
+)
 from gyrotest.procedures.vibration_names import BANDWIDTH, FLATNESS, PHASE_90
 from gyrotest.procedures.wording import plain
 from gyrotest.records.spec import Case, Output
@@ -15,7 +19,6 @@ MOST_SAMPLES_STEADY, MOST_SAMPLES_SWEPT = 3_000_000, 20_000_000
 """Samples of a step that are held in memory at once."""
 
 _MOST_FREQUENCIES = 100
-_LEAST_OVERSAMPLING = 4.0
 _SPARE_PERIODS = 1.0
 _SWEPT_MARGIN = 0.02
 _WHOLE = 1e-6
@@ -25,17 +28,7 @@ def sine_complaints(
     case: Case, parameters: SineVibrationParameters, output: Output
 ) -> Iterator[tuple[str, str]]:
     """Give every complaint: key below the case, and message."""
-    yield from nominal_complaints(output)
-    axes = case.axes or output.axes
-    if len(axes) > 1:
-        yield (
-            "axes",
-            f"names {len(axes)} axes, and the table vibrates about one; name that, e.g. [{axes[-1]}]",
-        )
-    if parameters.level.value <= 0.0:
-        yield "parameters.level", f"'{parameters.level}' is not more than zero"
-    if parameters.settle.value < 0.0:
-        yield "parameters.settle", f"'{parameters.settle}' is less than zero"
+    yield from vibration_complaints(case, output, level=parameters.level, settle=parameters.settle)
     frequencies = tuple(_frequency_complaints(parameters))
     yield from frequencies
     if frequencies:
@@ -50,14 +43,10 @@ def _frequency_complaints(parameters: SineVibrationParameters) -> Iterator[tuple
     if not 1 <= len(parameters.frequencies) <= _MOST_FREQUENCIES:
         message = f"gives none, or more than {_MOST_FREQUENCIES}; e.g. [5 Hz, 20 Hz, 100 Hz]"
         yield "parameters.frequencies", message
-    seen: set[float] = set()
+    yield from repeated_frequencies(parameters.frequencies)
     for place, one in enumerate(parameters.frequencies):
-        key = f"parameters.frequencies[{place}]"
         if one.value <= 0.0:
-            yield key, f"'{one}' is not more than zero"
-        elif one.to("Hz") in seen:
-            yield key, f"'{one}' is there twice"
-        seen.add(one.to("Hz"))
+            yield f"parameters.frequencies[{place}]", f"'{one}' is not more than zero"
 
 
 def _reference_complaints(parameters: SineVibrationParameters) -> Iterator[tuple[str, str]]:
@@ -77,8 +66,8 @@ def _same(one_hz: float, other_hz: float) -> bool:
 def _interval_complaints(case: Case, parameters: SineVibrationParameters) -> Iterator[tuple[str, str]]:
     """The rule of ten times the cut-off waits for the source, which may state an analogue filter."""
     rate_hz, highest_hz = 1.0 / case.interval.to("s"), parameters.highest_hz
-    if rate_hz < _LEAST_OVERSAMPLING * highest_hz:
-        slowest = 1e3 / (_LEAST_OVERSAMPLING * highest_hz)
+    if rate_hz < LEAST_OVERSAMPLING * highest_hz:
+        slowest = 1e3 / (LEAST_OVERSAMPLING * highest_hz)
         yield (
             "interval",
             f"'{case.interval}' is too slow for {plain(highest_hz, 6)} Hz; at most {plain(slowest, 3)} ms, and a"
