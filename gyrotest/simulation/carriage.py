@@ -1,4 +1,7 @@
-"""How a unit's axes sit on what turns them: their shares of the turning, of the Earth's rate and of gravity."""
+"""How a unit's axes sit on what turns them: their shares of the turning, of the Earth's rate and of gravity.
+
+Reckoned by vectors and with constants of its own, not by `gyrotest.analysis`, which is held against it.
+"""
 
 import math
 from collections.abc import Mapping, Sequence

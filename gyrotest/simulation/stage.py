@@ -1,4 +1,7 @@
-"""A simulated stage with a level shaft: how it truly lies, and how a unit's axes sit on it."""
+"""A simulated stage with a level shaft: how it truly lies, and how a unit's axes sit on it.
+
+Its rotations are not those of `gyrotest.analysis.mounting`, which are held against them.
+"""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
