@@ -10,6 +10,7 @@ from gyrotest.errors import InsufficientDataError
 _Array = NDArray[np.float64]
 _ORDER = 3
 _OVERSAMPLED = 10.0
+_ROUNDED = 1e-9
 
 
 class Lowpass:
@@ -89,7 +90,9 @@ def require_no_aliasing(*, rate_hz: float, cutoff_hz: float, analogue_hz: float 
     -----
     S4.2: a digital filter cannot undo aliasing.
     """
-    if rate_hz >= _OVERSAMPLED * cutoff_hz or (analogue_hz is not None and analogue_hz < rate_hz / 2.0):
+    # A rate is the inverse of an interval, which need not come out even.
+    enough_hz = _OVERSAMPLED * cutoff_hz * (1.0 - _ROUNDED)
+    if rate_hz >= enough_hz or (analogue_hz is not None and analogue_hz < rate_hz / 2.0):
         return
     stated = "none is stated" if analogue_hz is None else f"{analogue_hz:g} Hz is stated"
     raise InsufficientDataError(

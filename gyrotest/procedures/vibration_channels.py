@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from gyrotest.analysis.ellipse import Ellipse
 from gyrotest.analysis.encoder import AngleTrack, Decoder
+from gyrotest.analysis.lowpass import require_no_aliasing
 from gyrotest.analysis.skew import Aligner
 from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.scaling import Scaling, output_scaling
@@ -17,7 +18,6 @@ from gyrotest.procedures.vibration_inspection import (
     step_words,
     stretches,
 )
-from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import Dwell, SampleStream, Sampling
 from gyrotest.records.station import Encoder
@@ -28,8 +28,6 @@ ENCODER = "encoder_"
 
 CUT_OFF = 2.5
 """The low-pass cut-off over the highest working frequency (S4.2)."""
-
-_OVERSAMPLED = 10.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -256,18 +254,11 @@ def _refuse_asynchronous(sampling: Sampling, context: Context) -> None:
 
 
 def _refuse_aliasing(sampling: Sampling, context: Context, highest_hz: float) -> None:
-    """Refuse what nothing keeps from aliasing (S4.2)."""
-    rate_hz, needed_hz = 1.0 / sampling.interval_s, _OVERSAMPLED * CUT_OFF * highest_hz
-    if sampling.filter_hz is not None:
-        if sampling.filter_hz > rate_hz / 2.0:
-            raise InsufficientDataError(
-                f"{context.case_name}: its analogue filter of {plain(sampling.filter_hz, 5)} Hz lies above half"
-                f" the sampling rate of {plain(rate_hz, 6)} Hz and keeps nothing from aliasing"
-            )
-        return
-    if rate_hz < needed_hz * (1.0 - 1e-9):
-        raise InsufficientDataError(
-            f"{context.case_name}: sampled at {plain(rate_hz, 6)} Hz without a stated analogue filter; up to"
-            f" {plain(highest_hz, 4)} Hz that takes {plain(needed_hz, 6)} Hz (ten times the cut-off of"
-            f" {plain(CUT_OFF * highest_hz, 4)} Hz): sample faster, or state the filter in the station"
+    try:
+        require_no_aliasing(
+            rate_hz=1.0 / sampling.interval_s,
+            cutoff_hz=CUT_OFF * highest_hz,
+            analogue_hz=sampling.filter_hz,
         )
+    except InsufficientDataError as error:
+        raise InsufficientDataError(f"{context.case_name}: {error}") from None

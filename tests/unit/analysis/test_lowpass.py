@@ -69,6 +69,7 @@ def test_another_number_of_channels_is_refused() -> None:
 
 def test_enough_samples_or_an_analogue_filter_prevent_aliasing() -> None:
     require_no_aliasing(rate_hz=2500.0, cutoff_hz=250.0, analogue_hz=None)
+    require_no_aliasing(rate_hz=2500.0 - 1e-9, cutoff_hz=250.0, analogue_hz=2000.0)
     require_no_aliasing(rate_hz=1000.0, cutoff_hz=250.0, analogue_hz=400.0)
 
 
