@@ -62,6 +62,14 @@ def step_words(dwell: Dwell) -> str:
     return f"{name} at {plain(dwell.rate_dps, 6)} °/s".replace("-", _MINUS)
 
 
+def full_scale_words(context: Context) -> str:
+    """Say what full scale is, as far as the spec says it."""
+    full_scale = context.output.full_scale
+    return (
+        "full scale is not stated in the spec" if full_scale is None else f"full scale is {full_scale}"
+    )
+
+
 def _refuse_few(cut: Cut) -> None:
     count, planned = cut.values.size, cut.dwell.samples
     if count < max(FEWEST_PRESENT * planned, 2):
@@ -100,12 +108,9 @@ def _refuse_saturated(cut: Cut, railed: NDArray[np.float64], context: Context) -
         )
     else:
         return
-    full_scale = context.output.full_scale
-    scale = (
-        "full scale is not stated in the spec" if full_scale is None else f"full scale is {full_scale}"
-    )
     raise InsufficientDataError(
-        f"{step_words(cut.dwell)}: {found} ({scale}); leave such a rate out, or correct the range"
+        f"{step_words(cut.dwell)}: {found} ({full_scale_words(context)}); leave such a rate out, or correct the"
+        " range"
     )
 
 

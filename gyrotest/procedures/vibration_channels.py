@@ -12,12 +12,8 @@ from gyrotest.analysis.lowpass import require_no_aliasing
 from gyrotest.analysis.skew import Aligner
 from gyrotest.errors import InsufficientDataError
 from gyrotest.procedures.scaling import Scaling, output_scaling
-from gyrotest.procedures.vibration_inspection import (
-    DwellTally,
-    inspected,
-    step_words,
-    stretches,
-)
+from gyrotest.procedures.vibration_inspection import inspected, step_words
+from gyrotest.procedures.vibration_tally import DwellTally, stretches
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import Dwell, SampleStream, Sampling
 from gyrotest.records.station import Encoder
