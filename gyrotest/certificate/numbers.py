@@ -14,6 +14,7 @@ MINUS = "\N{MINUS SIGN}"
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _CONTEXT = Context(prec=60, rounding=ROUND_HALF_EVEN)
 _WIDEST, _FINEST = 7, -6  # powers of ten from which on, and below which, numbers get an exponent
+_SMALL = -3  # nearer to 1 than so, a power of ten would only make a number of many places longer
 _MORE_PLACES = 12
 
 
@@ -119,7 +120,8 @@ def _exponent(values: tuple[float, ...], place: int) -> int:
     """The power of ten that is taken out, 0 for numbers of an ordinary size."""
     largest = max(abs(value) for value in values)
     magnitude = _magnitude(largest) if largest else place
-    return magnitude if magnitude >= _WIDEST or place < _FINEST else 0
+    small = place < _FINEST and magnitude <= _SMALL
+    return magnitude if magnitude >= _WIDEST or small else 0
 
 
 def _rounded(value: float, place: int) -> Decimal:

@@ -24,7 +24,7 @@ _KINDS = {
     GROUP_DELAY: (Dimension.TIME, "ms"),
     AMPLITUDE_REPEATABILITY: (Dimension.NUMBER, "%"),
     PHASE_REPEATABILITY: (Dimension.ANGLE, "deg"),
-    LEAST_COHERENCE: (Dimension.NUMBER, ""),
+    LEAST_COHERENCE: (Dimension.NUMBER, "%"),
     AMPLITUDE_AGREEMENT: (Dimension.NUMBER, "%"),
     PHASE_AGREEMENT: (Dimension.ANGLE, "deg"),
 }

@@ -69,9 +69,9 @@ def _coherence_result(measured: MeasuredResponse) -> Result:
     return Result(
         name=LEAST_COHERENCE,
         label=LABELS[LEAST_COHERENCE],
-        value=found.value,
-        unit="",
-        lower_95=found.lower_95,
-        upper_95=found.upper_95,
+        value=100.0 * found.value,
+        unit="%",
+        lower_95=100.0 * found.lower_95,
+        upper_95=100.0 * found.upper_95,
         condition=f"at {plain(float(response.frequency_hz[lowest]), 5)} Hz, all runs together",
     )

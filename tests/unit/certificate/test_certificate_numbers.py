@@ -55,6 +55,13 @@ def test_interval_keeps_two_digits_of_its_shorter_side() -> None:
     assert (shown.lower, shown.value, shown.upper) == ("5.4", "10.3", "64.9")
 
 
+def test_a_number_near_1_with_many_places_has_no_power_of_ten() -> None:
+    shown = printed(0.9999893, lower=0.9999833, upper=0.9999955)
+    assert (shown.value, shown.lower, shown.upper) == ("0.9999893", "0.9999833", "0.9999955")
+    assert printed(99.99998931, uncertainty=6e-7).value == "99.99998931"
+    assert printed(0.00123456789, uncertainty=6e-9).value == "1.2345679 × 10⁻³"
+
+
 def test_value_just_beyond_its_limit_is_not_rounded_onto_it() -> None:
     assert printed(12.0003, uncertainty=1.0, limits=(12.0,)).value == "12.0003"
     assert printed(12.0, uncertainty=1.0, limits=(12.0,)).value == "12.0"

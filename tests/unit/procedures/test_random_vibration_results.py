@@ -296,7 +296,8 @@ def test_the_least_coherence_has_an_interval_that_allows_for_its_being_the_least
     found = named(nominal, "coherence_minimum")
     assert found.lower_95 is not None
     assert found.upper_95 is not None
-    assert 0.99 < found.lower_95 < value_of(found) < found.upper_95 < 1.0
+    assert found.unit == "%"
+    assert 99.0 < found.lower_95 < value_of(found) < found.upper_95 < 100.0
 
 
 def test_the_interval_of_the_least_coherence_covers_the_true_one() -> None:
