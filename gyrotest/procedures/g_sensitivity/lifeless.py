@@ -8,6 +8,7 @@ from gyrotest.procedures.wording import engineering, rate_text
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import Samples
 
+_FEWEST = 2
 _METER_MARGIN = 3.0
 _LEAST_OF_EARTH = 0.1
 
@@ -17,7 +18,11 @@ def refuse_lifeless(samples: Samples, context: Context) -> None:
     noise, unit = samples.sampling.noise, samples.sampling.unit
     if noise is None:
         return
-    spread = float(samples.values[:, 0].std(ddof=1))
+    output = samples.values[:, 0]
+    readings = output[np.isfinite(output)]
+    if readings.size < _FEWEST:
+        return
+    spread = float(readings.std(ddof=1))
     if spread < _METER_MARGIN * noise:
         raise InsufficientDataError(
             f"{context.case_name}: signal not distinguishable from the meter: over all angles its standard"
