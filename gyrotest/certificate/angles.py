@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from gyrotest.certificate.printing import printed_text
+from gyrotest.records.recording import ENCODER
 from gyrotest.records.run import RunRecord
 from gyrotest.records.station import Encoder, Shaft, Slot
 from gyrotest.units import Quantity
@@ -24,7 +25,7 @@ def angles(record: RunRecord) -> Iterator[str]:
 
 def _recorded(record: RunRecord) -> bool:
     return any(
-        name.startswith("encoder_")
+        name.startswith(ENCODER)
         for item in record.items
         for attempt in item.attempts
         if attempt.recording is not None

@@ -11,16 +11,20 @@ from gyrotest.analysis.encoder import AngleTrack, Decoder
 from gyrotest.analysis.lowpass import require_no_aliasing
 from gyrotest.analysis.skew import Aligner
 from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.encoder_unit import encoder_unit_deg
 from gyrotest.procedures.scaling import Scaling, output_scaling
 from gyrotest.procedures.vibration_inspection import inspected, step_words
 from gyrotest.procedures.vibration_tally import DwellTally, stretches
 from gyrotest.records.plan import Context
-from gyrotest.records.recording import Dwell, SampleStream, Sampling
+from gyrotest.records.recording import (
+    ENCODER_ANGLE,
+    ENCODER_COSINE,
+    ENCODER_SINE,
+    Dwell,
+    SampleStream,
+    Sampling,
+)
 from gyrotest.records.station import Encoder
-from gyrotest.units import Dimension, conversion_factor, printed_unit, same_dimension
-
-ENCODER = "encoder_"
-"""How the names of an encoder's channels begin: what a plan asks for beside the output."""
 
 CUT_OFF = 2.5
 """The low-pass cut-off over the highest working frequency (S4.2)."""
@@ -200,32 +204,22 @@ def vibration_channels(
 def _tracked(channels: VibrationChannels) -> _Tracked:
     encoder, columns = channels.encoder, channels.sampling.columns
     if channels.ellipse is None or encoder.lines is None:
-        place = columns.index("encoder_angle")
-        unit = channels.sampling.auxiliary[place - len(channels.sampling.channels)].unit
+        place = columns.index(ENCODER_ANGLE)
         track = AngleTrack(rate_hz=channels.rate_hz, reversed_=encoder.reversed)
-        return _Tracked((place,), track, _degrees(unit, channels.context))
+        return _Tracked((place,), track, encoder_unit_deg(channels.sampling, channels.context))
     decoder = Decoder(
         channels.ellipse,
         lines=encoder.lines,
         rate_hz=channels.rate_hz,
         reversed_=encoder.reversed,
     )
-    return _Tracked((columns.index("encoder_sine"), columns.index("encoder_cosine")), decoder, 1.0)
-
-
-def _degrees(unit: str, context: Context) -> float:
-    if not same_dimension(unit, Dimension.ANGLE):
-        raise InsufficientDataError(
-            f"{context.case_name}: the encoder's angle comes in '{printed_unit(unit)}', which is none of an angle;"
-            " correct the channel's unit, or its name, in the station"
-        )
-    return conversion_factor(unit, "deg")
+    return _Tracked((columns.index(ENCODER_SINE), columns.index(ENCODER_COSINE)), decoder, 1.0)
 
 
 def _known_encoder(sampling: Sampling, context: Context) -> Encoder:
     encoder, columns = context.encoder, set(sampling.columns)
-    signals = {"encoder_sine", "encoder_cosine"} <= columns
-    if encoder is None or not (signals or "encoder_angle" in columns):
+    signals = {ENCODER_SINE, ENCODER_COSINE} <= columns
+    if encoder is None or not (signals or ENCODER_ANGLE in columns):
         raise InsufficientDataError(
             f"{context.case_name}: nothing measures the angle of the table; give the slot an 'encoder' in the"
             " station, e.g. {sine: ua, cosine: ub, lines: 9000}, of channels of the same source"

@@ -12,7 +12,7 @@ from gyrotest.procedures.scaling import Scaling
 from gyrotest.procedures.vibration_tally import DwellTally, Stretch, stretches
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
-from gyrotest.records.recording import Dwell, SampleFlag, SampleStream
+from gyrotest.records.recording import ENCODER_COSINE, ENCODER_SINE, Dwell, SampleFlag, SampleStream
 from gyrotest.records.spec import Gaps
 from gyrotest.units import printed_unit
 
@@ -32,7 +32,7 @@ def inspected(stream: SampleStream, context: Context, scaling: Scaling) -> Inspe
     line, is decoded by what the others show.
     """
     tallies = tuple(DwellTally(dwell=one) for one in context.dwells)
-    signals = _Signals(stream) if "encoder_sine" in stream.sampling.columns else None
+    signals = _Signals(stream) if ENCODER_SINE in stream.sampling.columns else None
     for stretch in stretches(stream, context.dwells):
         tally = tallies[stretch.number]
         tally.push(stretch)
@@ -48,7 +48,7 @@ class _Signals:
 
     def __init__(self, stream: SampleStream) -> None:
         columns, offsets = stream.sampling.columns, stream.sampling.offsets_s
-        self._columns = [columns.index("encoder_sine"), columns.index("encoder_cosine")]
+        self._columns = [columns.index(ENCODER_SINE), columns.index(ENCODER_COSINE)]
         skews = [offsets[one] for one in self._columns] if offsets else [0.0, 0.0]
         self._aligner = Aligner(skews, stream.sampling.interval_s)
         self._fit = EllipseFit()

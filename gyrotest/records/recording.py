@@ -8,6 +8,10 @@ from enum import IntFlag
 import numpy as np
 from numpy.typing import NDArray
 
+ENCODER = "encoder_"
+"""How the names of an encoder's columns begin: what a plan asks for beside the output."""
+ENCODER_ANGLE, ENCODER_SINE, ENCODER_COSINE = "encoder_angle", "encoder_sine", "encoder_cosine"
+
 
 class SampleFlag(IntFlag):
     """What is wrong with a sample; 0 is a good one."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from gyrotest.errors import InstrumentError
 from gyrotest.ports import Selecting
-from gyrotest.records.recording import Auxiliary, Sampling
+from gyrotest.records.recording import ENCODER_ANGLE, ENCODER_COSINE, ENCODER_SINE, Auxiliary, Sampling
 from gyrotest.records.station import Slot
 from gyrotest.runner.bench import OpenSource
 
@@ -45,9 +45,9 @@ def slot_auxiliary(slot: Slot) -> dict[str, str]:
     if encoder is None:
         return dict(slot.auxiliary)
     read = {
-        "encoder_sine": encoder.sine,
-        "encoder_cosine": encoder.cosine,
-        "encoder_angle": encoder.angle,
+        ENCODER_SINE: encoder.sine,
+        ENCODER_COSINE: encoder.cosine,
+        ENCODER_ANGLE: encoder.angle,
     }
     return dict(slot.auxiliary) | {name: one for name, one in read.items() if one is not None}
 

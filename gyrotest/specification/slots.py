@@ -3,12 +3,12 @@
 from collections.abc import Iterator
 
 from gyrotest.analysis.mounting import frame_complaints
+from gyrotest.records.recording import ENCODER
 from gyrotest.records.station import Encoder, Motion, Shaft, Slot, Station
 from gyrotest.specification.checked import Complaint
 from gyrotest.specification.shapes import nearest
 from gyrotest.specification.yaml_tree import KeyPath
 
-_ENCODER = "encoder_"
 _GRATING = "{sine: ua, cosine: ub, lines: 9000}"
 _TURN_DEG = 360.0
 _MOST_TILT_DEG = 5.0
@@ -56,9 +56,9 @@ def _channel_complaints(slot: Slot, key: KeyPath) -> Iterator[Complaint]:
     if slot.encoder is not None:
         named += [one for one in _channels(slot.encoder).values() if one is not None]
         yield from (
-            Complaint((*key, "auxiliary", name), f"names that begin with '{_ENCODER}' are the encoder's")
+            Complaint((*key, "auxiliary", name), f"names that begin with '{ENCODER}' are the encoder's")
             for name in slot.auxiliary
-            if name.startswith(_ENCODER)
+            if name.startswith(ENCODER)
         )
     twice = next((one for one in named if named.count(one) > 1), None)
     if twice is not None:

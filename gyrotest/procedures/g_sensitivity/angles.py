@@ -9,14 +9,13 @@ from numpy.typing import NDArray
 from gyrotest.analysis.ellipse import Ellipse, EllipseFit
 from gyrotest.analysis.encoder import Decoder
 from gyrotest.errors import InsufficientDataError
+from gyrotest.procedures.encoder_unit import encoder_unit_deg
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context, Pointing, Rotating, Step
-from gyrotest.records.recording import Dwell, Samples
+from gyrotest.records.recording import ENCODER_ANGLE, ENCODER_COSINE, ENCODER_SINE, Dwell, Samples
 from gyrotest.records.station import Encoder
-from gyrotest.units import Dimension, conversion_factor, printed_unit, same_dimension
 
 _Array = NDArray[np.float64]
-_ANGLE, _SINE, _COSINE = "encoder_angle", "encoder_sine", "encoder_cosine"
 _TURN_DEG = 360.0
 _MOST_JUMP_DEG = 1.0
 _MOST_OFF_DEG = 1.0
@@ -50,12 +49,14 @@ class Angles:
     @property
     def counted(self) -> bool:
         """Whether the angle is counted from the begin of each turn: a grating has no zero."""
-        return _ANGLE not in self._columns and {_SINE, _COSINE} <= set(self._columns)
+        return ENCODER_ANGLE not in self._columns and {ENCODER_SINE, ENCODER_COSINE} <= set(
+            self._columns
+        )
 
     @property
     def known(self) -> bool:
         """Whether there is an encoder at all."""
-        return self.counted or _ANGLE in self._columns
+        return self.counted or ENCODER_ANGLE in self._columns
 
     def of(self, one: StepColumns) -> _Array:
         """Return the angle (n,) of a step, ° and without jumps; raises `InsufficientDataError`."""
@@ -66,7 +67,7 @@ class Angles:
 
     def skew_s(self) -> float:
         """Return how much later than the output the angle is sampled."""
-        name = _SINE if self.counted else _ANGLE
+        name = ENCODER_SINE if self.counted else ENCODER_ANGLE
         offsets = self._sampling.offsets_s
         return offsets[self._columns[name]] - offsets[0] if offsets and name in self._columns else 0.0
 
@@ -115,7 +116,7 @@ class Angles:
                 f"step '{one.step.name}': samples are missing, and the lines of a grating cannot be counted over a"
                 " gap"
             )
-        angle = decoder.push(one.rows[:, self._columns[_SINE]], one.rows[:, self._columns[_COSINE]])
+        angle = decoder.push(*self._signals(one))
         begin = rotating.run_up_deg if rotating.rate_dps > 0.0 else _TURN_DEG - rotating.run_up_deg
         counted: _Array = angle - angle[0] + begin
         return counted
@@ -128,15 +129,19 @@ class Angles:
         fit = EllipseFit()
         for one in steps:
             if isinstance(one.step.stimulus, Rotating):
-                fit.push(one.rows[:, self._columns[_SINE]], one.rows[:, self._columns[_COSINE]])
+                fit.push(*self._signals(one))
         return fit.fit()
+
+    def _signals(self, one: StepColumns) -> _Array:
+        """Return the sine and the cosine signal (2, n)."""
+        return one.rows[:, [self._columns[ENCODER_SINE], self._columns[ENCODER_COSINE]]].T
 
     # At rest
 
     def _standing(self, one: StepColumns, position_deg: float) -> _Array:
         """Return the mean angle: of the encoder, else as the stage reads it back, else as it was asked for."""
         count = one.rows.shape[0]
-        if _ANGLE not in self._columns:
+        if ENCODER_ANGLE not in self._columns:
             read_back = one.dwell.measured_position_deg
             return np.full(count, position_deg if read_back is None else read_back)
         read = self._read(one)
@@ -151,16 +156,9 @@ class Angles:
         return np.full(count, position_deg + float(away.mean()))
 
     def _read(self, one: StepColumns) -> _Array:
-        place = self._columns[_ANGLE]
-        units = {aux.name: aux.unit for aux in self._sampling.auxiliary}
-        unit = units.get(_ANGLE, "deg")
-        if not same_dimension(unit, Dimension.ANGLE):
-            raise InsufficientDataError(
-                f"{self._context.case_name}: the encoder's angle comes in '{printed_unit(unit)}', which is none of"
-                " an angle; correct the channel's unit, or its name, in the station"
-            )
         sign = -1.0 if self._encoder.reversed else 1.0
-        return sign * conversion_factor(unit, "deg") * one.rows[:, place]
+        factor = sign * encoder_unit_deg(self._sampling, self._context)
+        return factor * one.rows[:, self._columns[ENCODER_ANGLE]]
 
 
 def _rate_dps(one: StepColumns, angle: _Array, interval_s: float) -> float:

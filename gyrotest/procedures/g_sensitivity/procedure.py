@@ -16,11 +16,9 @@ from gyrotest.procedures.g_sensitivity.parameters import GSensitivityParameters,
 from gyrotest.procedures.g_sensitivity.remarks import mounting_remarks
 from gyrotest.procedures.g_sensitivity.repeats import mountings_of
 from gyrotest.records.plan import Context, Plan, Reduction
-from gyrotest.records.recording import Samples
+from gyrotest.records.recording import ENCODER, Samples
 from gyrotest.records.result import Measurand, Result
 from gyrotest.records.spec import Case, Output
-
-_ENCODER = "encoder_"
 
 
 class GSensitivity:
@@ -47,7 +45,7 @@ class GSensitivity:
             warm_up_s=warm_up_s(case),
             interval_s=case.interval.to("s"),
             steps=steps_of(case, parameters),
-            auxiliary=(_ENCODER,),
+            auxiliary=(ENCODER,),
             placements=parameters.mounted,
         )
 

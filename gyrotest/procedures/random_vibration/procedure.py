@@ -13,9 +13,8 @@ from gyrotest.procedures.random_vibration.measured import measured_response
 from gyrotest.procedures.random_vibration.parameters import RandomVibrationParameters
 from gyrotest.procedures.random_vibration.remarks import response_remarks
 from gyrotest.procedures.random_vibration.results import response_results
-from gyrotest.procedures.vibration_channels import ENCODER
 from gyrotest.records.plan import Context, Excitation, Plan, Reduction, Step
-from gyrotest.records.recording import SampleStream
+from gyrotest.records.recording import ENCODER, SampleStream
 from gyrotest.records.result import Measurand, Result
 from gyrotest.records.spec import Case, Output
 

@@ -10,10 +10,9 @@ from gyrotest.procedures.sine_vibration.measured import measured_sines
 from gyrotest.procedures.sine_vibration.parameters import SineVibrationParameters, step_name
 from gyrotest.procedures.sine_vibration.remarks import sine_remarks
 from gyrotest.procedures.sine_vibration.results import sine_results
-from gyrotest.procedures.vibration_channels import ENCODER
 from gyrotest.procedures.vibration_names import response_measurands
 from gyrotest.records.plan import Context, Plan, Reduction, Step
-from gyrotest.records.recording import SampleStream
+from gyrotest.records.recording import ENCODER, SampleStream
 from gyrotest.records.result import Measurand, Result
 from gyrotest.records.spec import Case, Output
 
