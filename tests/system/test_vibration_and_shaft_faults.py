@@ -446,6 +446,25 @@ def test_a_spoiled_turn_gives_a_clear_error_and_no_number(
     assert found.record.verdict is Verdict.INCOMPLETE
 
 
+def test_a_grating_that_loses_its_signal_in_a_turn_is_told_with_the_step(
+    tmp_path: Path, turned: Rows
+) -> None:
+    phase = np.radians(turned[:, 1]) * 90.0
+    noise = np.random.default_rng(2).normal(0.0, 1e-4, (len(turned), 2))
+    signals = np.column_stack((np.sin(phase), np.cos(phase))) + noise
+    signals[700:703] = 0.0
+    station = swapped(SHAFT_TAPE, "{angle: angle,", "{sine: ua, cosine: ub, lines: 90,")
+    station = swapped(
+        station,
+        "{angle: {column: 2, unit: deg}}",
+        "{ua: {column: 2, unit: V}, ub: {column: 3, unit: V}}",
+    )
+    found = played(tmp_path, np.column_stack((turned[:, 0], signals)), GRAVITY, station)
+    assert "step 'turn 1 forward': the encoder's signal is lost in 3 samples" in found.said[FIRST]
+    assert found.attempts[SECOND].outcome is Outcome.PASSED
+    assert found.record.verdict is Verdict.INCOMPLETE
+
+
 def test_one_recording_taken_for_both_mountings_is_refused(tmp_path: Path, turned: Rows) -> None:
     once = turned[: len(turned) // 2]
     found = played(tmp_path, np.concatenate((once, once)), GRAVITY, SHAFT_TAPE)

@@ -116,7 +116,11 @@ class Angles:
                 f"step '{one.step.name}': samples are missing, and the lines of a grating cannot be counted over a"
                 " gap"
             )
-        angle = decoder.push(*self._signals(one))
+        try:
+            angle = decoder.push(*self._signals(one))
+            decoder.check()
+        except InsufficientDataError as error:
+            raise InsufficientDataError(f"step '{one.step.name}': {error}") from None
         begin = rotating.run_up_deg if rotating.rate_dps > 0.0 else _TURN_DEG - rotating.run_up_deg
         counted: _Array = angle - angle[0] + begin
         return counted

@@ -178,13 +178,15 @@ def _responses(
 def _turned(
     responses: list[_Asked], channels: VibrationChannels, shortened: tuple[Shortened, ...]
 ) -> MeasuredSines:
-    """Count phases from the nominal sign, and on from each frequency to the next."""
+    """Count phases from the nominal sign, and on from each frequency to the next: of those told from noise."""
     sign = 1.0 if channels.scaling.scale_factor > 0.0 else -1.0
-    lowest = responses[0].response.ratio * sign
+    told = np.array([one.response.relative_uncertainty <= _MOST_RELATIVE for one in responses])
+    told |= not told.any()
+    lowest = responses[int(np.argmax(told))].response.ratio * sign
     inverted = bool(lowest.real < 0.0)
     phases = np.array([np.angle(one.response.ratio * sign, deg=True) for one in responses])
-    phases = np.unwrap(phases - (_HALF_TURN if inverted else 0.0), period=_TURN)
-    phases -= _TURN * np.rint(phases[0] / _TURN)
+    phases[told] = np.unwrap(phases[told] - (_HALF_TURN if inverted else 0.0), period=_TURN)
+    phases[told] -= _TURN * np.rint(phases[told][0] / _TURN)
     points = tuple(
         SinePoint(asked_hz=one.frequency_hz, response=one.response, phase_deg=float(phase))
         for one, phase in zip(responses, phases, strict=True)
