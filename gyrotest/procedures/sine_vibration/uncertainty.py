@@ -21,6 +21,7 @@ _WAVES = 2.0 * math.pi
 _PPM = 1e6
 _MATTERS_OFF = 1e-5
 _NOISE = "noise beside the frequency"
+_SWEEP = "speed of the sweep"
 
 
 def sensitivity_budget(
@@ -33,6 +34,7 @@ def sensitivity_budget(
         *gain_contributions(context, value=value, unit=unit),
         *_of_distortion(measured, point, factor=size),
         *_of_drive(measured, point, slope=size * _log_gain_slope(measured, point)),
+        *_of_sweep(measured, point, factor=size),
     )
 
 
@@ -45,18 +47,19 @@ def phase_budget(measured: MeasuredSines, point: SinePoint) -> tuple[Contributio
         *phase_contributions(sampling, frequency_hz=frequency_hz),
         *_of_distortion(measured, point, factor=degrees),
         *_of_drive(measured, point, slope=_phase_slope(measured, point)),
+        *_of_sweep(measured, point, factor=degrees),
     )
 
 
 def missing_of_sensitivity(measured: MeasuredSines, context: Context) -> tuple[str, ...]:
     """Give what could not be had of a sensitivity's uncertainty."""
-    return (*missing_of_gain(context), *_unseen_distortion(measured))
+    return (*missing_of_gain(context), *_unseen_distortion(measured), *_unseen_slopes(measured))
 
 
 def missing_of_angle(measured: MeasuredSines) -> tuple[str, ...]:
     """Give what could not be had of a phase's uncertainty."""
     sampling = measured.channels.sampling
-    return (*missing_of_phase(sampling), *_unseen_distortion(measured))
+    return (*missing_of_phase(sampling), *_unseen_distortion(measured), *_unseen_slopes(measured))
 
 
 def distortion_share(measured: MeasuredSines, point: SinePoint) -> float:
@@ -108,6 +111,34 @@ def _of_drive(measured: MeasuredSines, point: SinePoint, *, slope: float) -> Ite
             plain(abs(slope), 3),
             abs(slope * off),
         )
+
+
+def _of_sweep(measured: MeasuredSines, point: SinePoint, *, factor: float) -> Iterator[Contribution]:
+    """Give by how much a response that is swept through differs from the steady one.
+
+    To a phase with the second derivative α the response H answers with H − (j/2)·α·H″. H″/H is of the size of
+    (H′/H)², which the points on either side tell.
+    """
+    growth_per_s = _growth_per_s(measured)
+    if not growth_per_s or len(measured.points) < 2:
+        return
+    steep = abs(_log_gain_slope(measured, point)) + abs(math.radians(_phase_slope(measured, point)))
+    share = growth_per_s * steep**2 / (2.0 * _WAVES * point.response.frequency_hz)
+    yield rectangular(_SWEEP, f"{plain(share * _PPM, 2)} ppm", plain(factor, 4), share * factor)
+
+
+def _growth_per_s(measured: MeasuredSines) -> float:
+    """Return by how much of itself the frequency grows in a second; 0 where it stays."""
+    context = measured.channels.context
+    sweep = context.parameters.sweep
+    if sweep is None:
+        return 0.0
+    return float(sweep.growth_per_s(context.dwells[0].samples * measured.channels.interval_s))
+
+
+def _unseen_slopes(measured: MeasuredSines) -> tuple[str, ...]:
+    """A single frequency does not tell how the response changes while it is swept through."""
+    return (_SWEEP,) if _growth_per_s(measured) and len(measured.points) < 2 else ()
 
 
 def _log_gain_slope(measured: MeasuredSines, point: SinePoint) -> float:

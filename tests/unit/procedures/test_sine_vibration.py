@@ -248,6 +248,27 @@ def test_a_swept_table_gives_the_same() -> None:
         assert phase == pytest.approx(-360.0 * frequency_hz * 0.9e-3, abs=0.02)
 
 
+def test_the_speed_of_a_sweep_is_in_the_uncertainty() -> None:
+    """A delay τ: H″/H is −τ², so that swept through with α the gain keeps and the phase errs by ατ²/2 at most."""
+    growth_per_s, delay_s = math.log(58.0 / 26.0) / 12.0, 0.9e-3
+    told = parameters(
+        frequencies=(Quantity(30.0, "Hz"), Quantity(50.0, "Hz")),
+        reference_frequency=None,
+        sweep_from=Quantity(26.0, "Hz"),
+        sweep_to=Quantity(58.0, "Hz"),
+    )
+    sweep = Swept(low_hz=26.0, growth_per_s=growth_per_s)
+    values = recorded([sweep], samples=120_000, gyro=Gyro(delay_s=delay_s, noise_v=1e-4))
+    results = by_name(reduced(stream(values), context(told, case=case(duration=Quantity(12.0, "s")))))
+    (line,) = (one for one in results["phase_50Hz"].budget if one.source == "speed of the sweep")
+    # the phase over ln f is not straight: the slope between 30 and 50 Hz is that at their logarithmic mean
+    mean_hz = 20.0 / math.log(50.0 / 30.0)
+    omega = 2.0 * math.pi * 50.0
+    share = growth_per_s * omega * (delay_s * mean_hz / 50.0) ** 2 / 2.0
+    assert line.standard_uncertainty == pytest.approx(math.degrees(share) / math.sqrt(3.0), rel=0.02)
+    assert not results["phase_50Hz"].not_included
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Swept:
     """A sweep of the table, under a gyro that is nothing but a delay."""
