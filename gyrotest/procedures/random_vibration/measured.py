@@ -18,10 +18,12 @@ from gyrotest.procedures.random_vibration.noise_in_motion import noise_beyond_re
 from gyrotest.procedures.random_vibration.parameters import RandomVibrationParameters
 from gyrotest.procedures.scaling import Scaling
 from gyrotest.procedures.vibration_channels import CUT_OFF, VibrationChannels, vibration_channels
+from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 from gyrotest.records.recording import SampleStream, Sampling
 
 _LOWEST = 1.1
+_SHARED, _MOVING = 0.5, 0.1  # coherence at rest, and its rate beside that of the runs
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,6 +78,7 @@ def _response(
     inverted: bool,
 ) -> MeasuredResponse:
     together, noise = pooled(runs), noise_ratio(rest)
+    _refuse_moving(rest, together, noise)
     each = tuple(hv(one, noise) for one in runs)
     response = hv(together, noise)
     curves = tuple(_curve(one, parameters) for one in each)
@@ -90,7 +93,7 @@ def _response(
         noise_beyond_rest=noise_beyond_rest(together, rest),
         repeatability=response_repeatability(curves) if len(curves) > 1 else None,
         segments=together.segments,
-        rate_dps=float(np.sqrt(together.reference.sum() / together.segment_s)),
+        rate_dps=_rate_dps(together),
         inverted=inverted,
         scaling=channels.scaling,
         sampling=channels.stream.sampling,
@@ -99,6 +102,22 @@ def _response(
 
 def _curve(response: Response, parameters: RandomVibrationParameters) -> ResponseCurve:
     return fit_response(response, degree=parameters.degree, coherence_floor=parameters.coherence_floor)
+
+
+def _rate_dps(spectra: Spectra) -> float:
+    """The table's rate in the band, rms."""
+    return float(np.sqrt(spectra.reference.sum() / spectra.segment_s))
+
+
+def _refuse_moving(rest: Spectra, runs: Spectra, noise: NoiseRatio) -> None:
+    """Refuse a record at rest that was none: what both channels see would count as their noise."""
+    rest_dps, runs_dps = _rate_dps(rest), _rate_dps(runs)
+    if (noise.coherence or 0.0) > _SHARED and rest_dps > _MOVING * runs_dps:
+        raise InsufficientDataError(
+            f"step 'rest': the table moves with {plain(rest_dps, 3)} °/s rms in the band, and the output follows"
+            f" it (in the runs {plain(runs_dps, 3)} °/s); it must stand still there, for noise is told from it:"
+            " of a recording, see that it begins with as much rest as 'parameters.rest' says"
+        )
 
 
 def _refuse_the_same(runs: Sequence[Spectra], context: Context) -> None:

@@ -13,8 +13,22 @@ from gyrotest.records.recording import Gap
 from gyrotest.records.result import Result
 from gyrotest.records.spec import Case, Limit, Output, OutputKind
 from gyrotest.units import Quantity
-from tests.unit.procedures.random_vibration_bench import QUIET, context, parameters, reduced, runs
-from tests.unit.procedures.vibration_bench import daq_sampling, streamed, vibration_output
+from tests.unit.procedures.random_vibration_bench import (
+    QUIET,
+    RUN_S,
+    Random,
+    context,
+    parameters,
+    reduced,
+    runs,
+)
+from tests.unit.procedures.vibration_bench import (
+    RATE_HZ,
+    daq_sampling,
+    recorded,
+    streamed,
+    vibration_output,
+)
 
 
 def hz(value: float) -> Quantity:
@@ -183,6 +197,15 @@ def test_a_table_that_does_not_move_is_refused() -> None:
         values[number * length : (number + 1) * length] = values[:length]
     values += np.random.default_rng(7).normal(size=values.shape) * 1e-3
     with pytest.raises(InsufficientDataError, match="do not go round a circle"):
+        reduced(values)
+
+
+def test_a_rest_in_which_the_table_moves_is_refused() -> None:
+    moved = [Random(rms_dps=2.0, seed=99), *(Random(seed=number) for number in range(3))]
+    values = recorded(moved, samples=round(RUN_S * RATE_HZ), gyro=QUIET, seed=1)
+    with pytest.raises(
+        InsufficientDataError, match=r"step 'rest': the table moves with .*runs \d\.\d+ °/s"
+    ):
         reduced(values)
 
 
