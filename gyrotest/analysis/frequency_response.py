@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.analysis.cross_spectra import Spectra
+from gyrotest.analysis.fixed import fixed
 from gyrotest.analysis.noise_ratio import NoiseRatio
 from gyrotest.errors import InsufficientDataError
 
@@ -153,12 +154,12 @@ def _response(
     found = coherence(spectra)
     return Response(
         frequency_hz=spectra.frequency_hz,
-        gain=_fixed(gain),
-        phase_deg=_fixed(np.degrees(np.angle(spectra.cross))),
-        coherence=_fixed(found),
-        error=_fixed(random_error(found, spectra.averages)),
-        common=_fixed(np.zeros((gain.size, 0)) if common is None else common),
-        leaning=_fixed(leaning),
+        gain=fixed(gain),
+        phase_deg=fixed(np.degrees(np.angle(spectra.cross))),
+        coherence=fixed(found),
+        error=fixed(random_error(found, spectra.averages)),
+        common=fixed(np.zeros((gain.size, 0)) if common is None else common),
+        leaning=fixed(leaning),
         averages=spectra.averages,
         segment_s=spectra.segment_s,
         correlation=spectra.correlation,
@@ -175,8 +176,3 @@ def _moving(power: _Array, spectra: Spectra, channel: str) -> _Array:
             " that both channels are connected"
         )
     return power
-
-
-def _fixed(array: _Array) -> _Array:
-    array.setflags(write=False)
-    return array

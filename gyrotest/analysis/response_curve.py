@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrotest.analysis.band_polynomial import BandPolynomial, Estimates, fit_band_polynomial
+from gyrotest.analysis.fixed import fixed
 from gyrotest.analysis.frequency_response import Response
 from gyrotest.errors import InsufficientDataError
 
@@ -149,7 +150,7 @@ def fit_response(
             phase, low=low, high=high, degree=degree if phase_degree is None else phase_degree
         ),
         lines=lines,
-        excluded_hz=_fixed(response.frequency_hz[~used]),
+        excluded_hz=fixed(response.frequency_hz[~used]),
     )
 
 
@@ -267,13 +268,13 @@ def _chosen(response: Response, used: NDArray[np.bool_]) -> Response:
     """Return some of the lines, their phase unwrapped from the first of them on."""
     return replace(
         response,
-        frequency_hz=_fixed(response.frequency_hz[used]),
-        gain=_fixed(response.gain[used]),
-        phase_deg=_fixed(np.unwrap(response.phase_deg[used], period=360.0)),
-        coherence=_fixed(response.coherence[used]),
-        error=_fixed(response.error[used]),
-        common=_fixed(response.common[used]),
-        leaning=_fixed(response.leaning[used]),
+        frequency_hz=fixed(response.frequency_hz[used]),
+        gain=fixed(response.gain[used]),
+        phase_deg=fixed(np.unwrap(response.phase_deg[used], period=360.0)),
+        coherence=fixed(response.coherence[used]),
+        error=fixed(response.error[used]),
+        common=fixed(response.common[used]),
+        leaning=fixed(response.leaning[used]),
     )
 
 
@@ -298,8 +299,3 @@ def _incoherent(response: Response, floor: float) -> InsufficientDataError:
         f" {response.frequency_hz[best]:g} Hz, of {response.averages:.0f} averages: vibrate harder or longer,"
         " see that the unit and the encoder sit on the same table and are sampled together, or lower the floor"
     )
-
-
-def _fixed(array: _Array) -> _Array:
-    array.setflags(write=False)
-    return array

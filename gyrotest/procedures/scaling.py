@@ -33,6 +33,11 @@ class Scaling:
     scale_factor: float
     unit: str
 
+    @property
+    def slope_unit(self) -> str:
+        """The unit of an output over a rate: `unit` per °/s, a number where both are rates."""
+        return "" if self.unit == "deg/s" else f"{self.unit}*s/deg"
+
     def spread_dps(self, indication: float) -> float:
         """Return a spread (always positive) of the indication as a rate, °/s."""
         return abs(indication * self.to_canonical / self.scale_factor)

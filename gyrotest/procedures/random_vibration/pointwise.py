@@ -86,8 +86,7 @@ def refuse_left_out(measured: MeasuredResponse, *frequencies_hz: float) -> None:
 
 def scale_in(measured: MeasuredResponse, unit: str) -> float:
     """Return what a gain of 1 is as a sensitivity in a unit."""
-    canonical = "" if measured.scaling.unit == "deg/s" else f"{measured.scaling.unit}*s/deg"
-    return measured.scale * conversion_factor(canonical, unit)
+    return measured.scale * conversion_factor(measured.scaling.slope_unit, unit)
 
 
 def _curve_words(measured: MeasuredResponse) -> str:

@@ -14,7 +14,6 @@ from gyrotest.procedures.scale_factor.uncertainty import (
     missing_of_bias,
     missing_of_slope,
     slope_budget,
-    slope_unit,
 )
 from gyrotest.procedures.table_steps import missing_of_table
 from gyrotest.procedures.turns import Turns
@@ -59,7 +58,7 @@ def slope_result(turns: Turns, slope: Linear, name: str, label: str, context: Co
         budget,
         name=name,
         label=label,
-        value=slope.value * conversion_factor(slope_unit(turns), unit),
+        value=slope.value * conversion_factor(turns.scaling.slope_unit, unit),
         unit=unit,
         condition=_span(turns, slope),
         not_included=missing_of_slope(context),

@@ -26,7 +26,7 @@ def slope_budget(
 
     A constant error of the meter leaves a slope as it is.
     """
-    factor = conversion_factor(slope_unit(turns), unit)
+    factor = conversion_factor(turns.scaling.slope_unit, unit)
     reported = Linear(value=slope.value * factor, weights=slope.weights * factor)
     return (*_of_steps(turns, reported, context, unit), *_of_gains(reported.value, context, unit))
 
@@ -50,11 +50,6 @@ def bias_budget(turns: Turns, share_dps: float | None, context: Context) -> tupl
         ),
         of_earth(share_dps),
     )
-
-
-def slope_unit(turns: Turns) -> str:
-    """Return the unit in which slopes are computed."""
-    return "" if turns.scaling.unit == "deg/s" else f"{turns.scaling.unit}*s/deg"
 
 
 def missing_of_slope(context: Context) -> tuple[str, ...]:

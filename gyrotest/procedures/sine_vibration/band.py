@@ -7,6 +7,7 @@ import numpy as np
 
 from gyrotest.analysis.crossing import Crossing, first_fall
 from gyrotest.analysis.interval import NORMAL_95
+from gyrotest.analysis.response_curve import HALF_POWER
 from gyrotest.procedures.sine_vibration.measured import MeasuredSines, SinePoint
 from gyrotest.procedures.sine_vibration.parameters import SineVibrationParameters
 from gyrotest.procedures.sine_vibration.uncertainty import (
@@ -18,9 +19,6 @@ from gyrotest.procedures.uncertainty import budgeted_result, by_statistics, expa
 from gyrotest.procedures.vibration_names import BANDWIDTH, FLATNESS, PHASE_90
 from gyrotest.procedures.wording import plain
 from gyrotest.records.result import Contribution, Result
-
-HALF_POWER = -0.5 * math.log(2.0)
-"""A gain of 1/√2, −3.01 dB, as a logarithm."""
 
 LOST_IN_NOISE = "the output's sine is not told from its noise: raise the level, or sample longer"
 """Why a point has no value."""

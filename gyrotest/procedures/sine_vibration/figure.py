@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from gyrotest.procedures.sine_vibration.band import HALF_POWER
+from gyrotest.analysis.response_curve import HALF_POWER
 from gyrotest.procedures.sine_vibration.measured import MeasuredSines
 from gyrotest.procedures.sine_vibration.parameters import SineVibrationParameters
 from gyrotest.procedures.vibration_names import (

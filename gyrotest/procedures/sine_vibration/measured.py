@@ -15,7 +15,6 @@ from gyrotest.records.plan import Context
 from gyrotest.records.recording import Dwell, SampleStream
 
 _HALF_TURN, _TURN = 180.0, 360.0
-_QUARTER = 90.0
 _MOST_RELATIVE = 0.3
 
 

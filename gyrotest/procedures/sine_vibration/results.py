@@ -43,7 +43,8 @@ def sensitivity_result(measured: MeasuredSines, point: SinePoint, context: Conte
     unit = SENSITIVITY_UNITS[context.output.kind]
     if not point.told:
         return _lost_in_noise(name, label, unit)
-    value = measured.scale * point.response.gain * _to(measured, unit)
+    factor = conversion_factor(measured.channels.scaling.slope_unit, unit)
+    value = measured.scale * point.response.gain * factor
     return budgeted_result(
         sensitivity_budget(measured, point, context, value=value, unit=unit),
         name=name,
@@ -73,11 +74,6 @@ def phase_result(measured: MeasuredSines, point: SinePoint) -> Result:
 
 def _lost_in_noise(name: str, label: str, unit: str) -> Result:
     return Result(name=name, label=label, value=None, unit=unit, condition=LOST_IN_NOISE)
-
-
-def _to(measured: MeasuredSines, unit: str) -> float:
-    canonical = measured.channels.scaling.unit
-    return conversion_factor("" if canonical == "deg/s" else f"{canonical}*s/deg", unit)
 
 
 def _words(point: SinePoint) -> str:
