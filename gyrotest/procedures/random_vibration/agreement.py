@@ -54,7 +54,10 @@ def agreement_with(measured: MeasuredResponse, context: Context) -> Agreement:
     earlier = _by_name(context.earlier.get(case, ()))
     there = [float(match["hz"]) for name in earlier if (match := _SENSITIVITY.fullmatch(name))]
     if not there:
-        reason = f"case '{case}' has no sensitivities (yet); put it before this case, and see that it is measured"
+        reason = (
+            f"case '{case}' has no sensitivities (yet); put it before this case, and see that it is measured; once"
+            " it is, 'gyrotest judge' compares them"
+        )
         return Agreement(case=case, reason=reason)
     common = sorted(one for one in there if measured.curve.low_hz <= one <= measured.curve.high_hz)
     if not common:
