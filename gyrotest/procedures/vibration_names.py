@@ -19,6 +19,13 @@ FLATNESS = "flatness"
 BANDWIDTH = "bandwidth_3db"
 PHASE_90 = "phase_90_frequency"
 
+BAND_LABELS = {
+    FLATNESS: "Flatness of the sensitivity",
+    BANDWIDTH: "Bandwidth, \N{MINUS SIGN}3 dB",
+    PHASE_90: "Frequency of \N{MINUS SIGN}90° phase",
+}
+"""The labels of what the whole band gives."""
+
 AGAINST_THE_SIGN = (
     "The output moves against the sign of the nominal scale factor; phases are less half a turn. Either the unit"
     " is inverted, or the encoder counts the other way: see 'encoder.reversed', and which signal is 'sine'."
@@ -61,9 +68,9 @@ def response_measurands(frequencies_hz: Iterable[float], output: Output) -> Iter
         yield _measurand(sensitivity_name(one), sensitivity_label(one), slope, unit)
     for one in asked:
         yield _measurand(phase_name(one), phase_label(one), Dimension.ANGLE, "deg")
-    yield _measurand(FLATNESS, "Flatness of the sensitivity", Dimension.NUMBER, "%")
-    yield _measurand(BANDWIDTH, "Bandwidth, \N{MINUS SIGN}3 dB", Dimension.FREQUENCY, "Hz")
-    yield _measurand(PHASE_90, "Frequency of \N{MINUS SIGN}90° phase", Dimension.FREQUENCY, "Hz")
+    yield _measurand(FLATNESS, BAND_LABELS[FLATNESS], Dimension.NUMBER, "%")
+    yield _measurand(BANDWIDTH, BAND_LABELS[BANDWIDTH], Dimension.FREQUENCY, "Hz")
+    yield _measurand(PHASE_90, BAND_LABELS[PHASE_90], Dimension.FREQUENCY, "Hz")
 
 
 def _measurand(name: str, label: str, dimension: Dimension, unit: str) -> Measurand:

@@ -27,7 +27,7 @@ from gyrotest.procedures.random_vibration.uncertainty import (
 )
 from gyrotest.procedures.uncertainty import budgeted_result, rectangular
 from gyrotest.procedures.vibration_budget import missing_of_phase
-from gyrotest.procedures.vibration_names import BANDWIDTH, FLATNESS, PHASE_90
+from gyrotest.procedures.vibration_names import BAND_LABELS, BANDWIDTH, FLATNESS, PHASE_90
 from gyrotest.procedures.wording import engineering, plain
 from gyrotest.records.result import Contribution, Result
 
@@ -45,7 +45,7 @@ def band_results(measured: MeasuredResponse, parameters: RandomVibrationParamete
 
 
 def _flatness_result(measured: MeasuredResponse, parameters: RandomVibrationParameters) -> Result:
-    label = "Flatness of the sensitivity"
+    label = BAND_LABELS[FLATNESS]
     to_hz, reference_hz = parameters.flat_to_hz, parameters.reference_hz
 
     def found() -> Result:
@@ -66,7 +66,7 @@ def _flatness_result(measured: MeasuredResponse, parameters: RandomVibrationPara
 
 
 def _bandwidth_result(measured: MeasuredResponse, parameters: RandomVibrationParameters) -> Result:
-    label, reference_hz = f"Bandwidth, {_MINUS}3 dB", parameters.reference_hz
+    label, reference_hz = BAND_LABELS[BANDWIDTH], parameters.reference_hz
     condition = f"{_MINUS}3 dB of the sensitivity at {plain(reference_hz, 6)} Hz"
 
     def found() -> Result:
@@ -103,7 +103,7 @@ def _before(grid: NDArray[np.float64], beyond: NDArray[np.bool_]) -> float:
 
 
 def _phase_90_result(measured: MeasuredResponse) -> Result:
-    label = f"Frequency of {_MINUS}90° phase"
+    label = BAND_LABELS[PHASE_90]
 
     def found() -> Result:
         read = quarter_turn(measured.curve)

@@ -16,7 +16,7 @@ from gyrotest.procedures.sine_vibration.uncertainty import (
     phase_budget,
 )
 from gyrotest.procedures.uncertainty import budgeted_result, by_statistics, expanded, rectangular
-from gyrotest.procedures.vibration_names import BANDWIDTH, FLATNESS, PHASE_90
+from gyrotest.procedures.vibration_names import BAND_LABELS, BANDWIDTH, FLATNESS, PHASE_90
 from gyrotest.procedures.wording import plain
 from gyrotest.records.result import Contribution, Result
 
@@ -27,11 +27,6 @@ _QUARTER_DEG = -90.0
 _PERCENT = 100.0
 _ROOT_3 = math.sqrt(3.0)
 _MINUS = "\N{MINUS SIGN}"
-LABELS = {
-    FLATNESS: "Flatness of the sensitivity",
-    BANDWIDTH: f"Bandwidth, {_MINUS}3 dB",
-    PHASE_90: f"Frequency of {_MINUS}90° phase",
-}
 
 
 def band_results(measured: MeasuredSines, parameters: SineVibrationParameters) -> Iterator[Result]:
@@ -87,7 +82,7 @@ def _flatness_result(measured: MeasuredSines, parameters: SineVibrationParameter
     return budgeted_result(
         budget,
         name=FLATNESS,
-        label=LABELS[FLATNESS],
+        label=BAND_LABELS[FLATNESS],
         value=_PERCENT * (highest.response.gain - lowest.response.gain) / reference,
         unit="%",
         condition=f"highest ({plain(highest.asked_hz, 6)} Hz) less lowest ({plain(lowest.asked_hz, 6)} Hz) of"
@@ -127,7 +122,7 @@ def _bandwidth_result(measured: MeasuredSines, parameters: SineVibrationParamete
     return budgeted_result(
         budget,
         name=BANDWIDTH,
-        label=LABELS[BANDWIDTH],
+        label=BAND_LABELS[BANDWIDTH],
         value=value,
         unit="Hz",
         condition=f"{condition}; {_between(above, found)}",
@@ -154,7 +149,7 @@ def _phase_90_result(measured: MeasuredSines) -> Result:
     return budgeted_result(
         budget,
         name=PHASE_90,
-        label=LABELS[PHASE_90],
+        label=BAND_LABELS[PHASE_90],
         value=value,
         unit="Hz",
         condition=_between(measured.points, found),
@@ -230,7 +225,7 @@ def _not_reached(
     told = "not reached by the highest frequency"
     return Result(
         name=name,
-        label=LABELS[name],
+        label=BAND_LABELS[name],
         value=measured.points[-1].response.frequency_hz,
         unit="Hz",
         lower_95=certain_hz,
@@ -241,4 +236,4 @@ def _not_reached(
 
 
 def _without(name: str, unit: str, reason: str) -> Result:
-    return Result(name=name, label=LABELS[name], value=None, unit=unit, condition=reason)
+    return Result(name=name, label=BAND_LABELS[name], value=None, unit=unit, condition=reason)
