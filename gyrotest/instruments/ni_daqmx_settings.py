@@ -6,14 +6,19 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Annotated, Any, ClassVar
 
-from gyrotest.instruments.synchronous.settings import Trigger, check_synchronous
+from gyrotest.instruments.synchronous.settings import (
+    TRIGGER_TIMEOUT,
+    Skews,
+    SkewUncertainty,
+    Trigger,
+    TriggerTimeout,
+    check_synchronous,
+)
 from gyrotest.records.described import Described
 from gyrotest.units import Dimension, OfDimension, Quantity
 
 _RANGE = Quantity(10.0, "V")
-_TRIGGER_TIMEOUT = Quantity(10.0, "s")
 _TERMINAL = re.compile(r"[A-Za-z0-9_]+")
-_Time = Annotated[Quantity, OfDimension(Dimension.TIME)]
 _Voltage = Annotated[Quantity, OfDimension(Dimension.VOLTAGE)]
 
 
@@ -64,23 +69,9 @@ class NiDaqmxSettings:
         Described("What starts an acquisition: `immediate`, or `external`: a rising edge.", "external"),
     ] = Trigger.IMMEDIATE
     trigger_terminal: Annotated[str, Described("Where that edge comes in.", "PFI1")] = "PFI0"
-    trigger_timeout: Annotated[
-        Quantity,
-        OfDimension(Dimension.TIME),
-        Described("How long an external trigger is waited for.", "30 s"),
-    ] = _TRIGGER_TIMEOUT
-    skew: Annotated[
-        Mapping[str, _Time],
-        Described(
-            "How much later than the device's own instant a channel is sampled, in place of what it says.",
-            "{ua: 10 us, ub: 20 us}",
-        ),
-    ] = field(default_factory=dict)
-    skew_uncertainty: Annotated[
-        Quantity | None,
-        OfDimension(Dimension.TIME),
-        Described("Half-width of the error of the times between the channels.", "0.1 us"),
-    ] = None
+    trigger_timeout: TriggerTimeout = TRIGGER_TIMEOUT
+    skew: Skews = field(default_factory=dict)
+    skew_uncertainty: SkewUncertainty = None
     filter: Annotated[
         Quantity | None,
         OfDimension(Dimension.FREQUENCY),

@@ -4,12 +4,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar
 
-from gyrotest.instruments.synchronous.settings import Trigger, check_synchronous
+from gyrotest.instruments.synchronous.settings import (
+    TRIGGER_TIMEOUT,
+    Skews,
+    SkewUncertainty,
+    Trigger,
+    TriggerTimeout,
+    check_synchronous,
+)
 from gyrotest.records.described import Described
 from gyrotest.units import Dimension, OfDimension, Quantity
-
-_TRIGGER_TIMEOUT = Quantity(10.0, "s")
-_Time = Annotated[Quantity, OfDimension(Dimension.TIME)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,23 +26,9 @@ class SyncStreamSettings:
         Trigger,
         Described("What starts an acquisition: `immediate`, or `external`: an edge.", "external"),
     ] = Trigger.IMMEDIATE
-    trigger_timeout: Annotated[
-        Quantity,
-        OfDimension(Dimension.TIME),
-        Described("How long an external trigger is waited for.", "30 s"),
-    ] = _TRIGGER_TIMEOUT
-    skew: Annotated[
-        Mapping[str, _Time],
-        Described(
-            "How much later than the source's own instant a channel is sampled, in place of what it says.",
-            "{ua: 28 us, ub: 56 us}",
-        ),
-    ] = field(default_factory=dict)
-    skew_uncertainty: Annotated[
-        Quantity | None,
-        OfDimension(Dimension.TIME),
-        Described("Half-width of the error of the times between the channels.", "0.1 us"),
-    ] = None
+    trigger_timeout: TriggerTimeout = TRIGGER_TIMEOUT
+    skew: Skews = field(default_factory=dict)
+    skew_uncertainty: SkewUncertainty = None
     filter: Annotated[
         Quantity | None,
         OfDimension(Dimension.FREQUENCY),

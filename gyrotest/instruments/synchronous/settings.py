@@ -3,8 +3,29 @@
 import math
 from collections.abc import Mapping
 from enum import StrEnum
+from typing import Annotated
 
-from gyrotest.units import Quantity
+from gyrotest.records.described import Described
+from gyrotest.units import Dimension, OfDimension, Quantity
+
+TRIGGER_TIMEOUT = Quantity(10.0, "s")
+TriggerTimeout = Annotated[
+    Quantity,
+    OfDimension(Dimension.TIME),
+    Described("How long an external trigger is waited for.", "30 s"),
+]
+Skews = Annotated[
+    Mapping[str, Annotated[Quantity, OfDimension(Dimension.TIME)]],
+    Described(
+        "How much later than the source's own instant a channel is sampled, in place of what it says.",
+        "{ua: 28 us, ub: 56 us}",
+    ),
+]
+SkewUncertainty = Annotated[
+    Quantity | None,
+    OfDimension(Dimension.TIME),
+    Described("Half-width of the error of the times between the channels.", "0.1 us"),
+]
 
 
 class Trigger(StrEnum):
