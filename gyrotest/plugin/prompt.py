@@ -1,6 +1,8 @@
 """Questions to the operator, through pytest's capture."""
 
+import shutil
 import sys
+import textwrap
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -33,7 +35,7 @@ class Prompt:
                 f"{text}: nobody is there to do it (no terminal); say --gyro-yes if it is done"
             )
         with self._uncaptured():
-            answer = _asked(f"\n{text}; then press Enter (or type 'stop'): ")
+            answer = _asked(f"\n{_wrapped(text)}.\nPress Enter when it is done (or type 'stop'): ")
         if answer.strip().lower() in _REFUSALS:
             raise AcquisitionError(f"{text}: stopped by the operator")
 
@@ -59,6 +61,12 @@ class Prompt:
 
 def _distributed(config: pytest.Config) -> bool:
     return hasattr(config, "workerinput") or bool(config.getoption("numprocesses", default=None))
+
+
+def _wrapped(text: str) -> str:
+    """Break lines between words: an instruction is read from some steps away."""
+    width = shutil.get_terminal_size().columns - 1
+    return textwrap.fill(text, width, break_long_words=False, break_on_hyphens=False)
 
 
 def _asked(question: str) -> str:
