@@ -53,7 +53,7 @@ def bode_figure(measured: MeasuredResponse, context: Context) -> Figure:
         caption=f"Sensitivity and phase by random vibration, {runs} run{'s' * (runs > 1)} together,"
         f" {measured.segments} segments of {plain(measured.response.segment_s, 4)} s that overlap by half. Line:"
         f" estimate at each frequency (Hv); over it the polynomial of degree {parameters.degree} with its 95 %"
-        " band by random error; dashed: limits."
+        " band by random error and fit; dashed: limits."
         + (" Grey: coherence too low, left out." if measured.curve.excluded_hz.size else ""),
         alt=f"Bode plot from {plain(measured.curve.low_hz, 6)} to {plain(measured.curve.high_hz, 6)} Hz",
         table=_table(measured, context, unit) if parameters.frequencies else None,

@@ -37,7 +37,7 @@ def runs_figure(measured: MeasuredResponse) -> Figure:
             ),
         ),
         caption="Estimates of each run, means of neighbouring frequencies, less the curve through all of them;"
-        " shaded: 95 % band of the curve by random error.",
+        " shaded: 95 % band of the curve by random error and fit.",
         alt=f"Deviations of {len(runs)} runs from the curve, {plain(most, 2)} % at most",
     )
 
