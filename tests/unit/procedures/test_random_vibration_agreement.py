@@ -124,7 +124,8 @@ def test_a_case_that_was_not_measured_leaves_the_agreement_without_a_value(
     found = named(agreement_with(measured, compared()))
     assert found["amplitude_agreement"].value is None
     assert found["amplitude_agreement"].condition == (
-        "case 'sine' has no sensitivities (yet); put it before this case, and see that it is measured"
+        "case 'sine' has no sensitivities (yet); put it before this case, and see that it is measured; once"
+        " it is, 'gyrotest judge' compares them"
     )
     assert agreement_figure(agreement_with(measured, compared()), compared()) == ()
 
