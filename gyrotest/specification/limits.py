@@ -1,5 +1,6 @@
 """What must hold of a case's limits: something to hold them against, of the same kind, in order."""
 
+import re
 from collections.abc import Iterator
 
 from gyrotest.records.result import Measurand
@@ -27,6 +28,8 @@ _AMBIGUOUS = {
         "with 'between_repeats: power_cycle' the name is 'bias_repeatability'"
     ),
 }
+# What tells results of one kind apart: `bias_stability_10s`, `sensitivity_20Hz`.
+_SETTING = re.compile(r"_\d[^_]*$")
 _OVER_REPEATS = {"bias_run_to_run", "bias_repeatability"}
 
 
@@ -56,7 +59,16 @@ def order_complaints(limit: Limit, key: KeyPath) -> Iterator[Complaint]:
 
 def unknown_measurand(name: str, known: list[str]) -> str:
     """Return the message for a name that nothing measures."""
-    return _AMBIGUOUS.get(name) or f"is not measured by this case; {nearest(name, known)}"
+    if name in _AMBIGUOUS:
+        return _AMBIGUOUS[name]
+    kind, settings = _SETTING.subn("", name)
+    alike = [one for one in known if settings and _SETTING.sub("", one) == kind != one]
+    if alike:
+        return (
+            f"is not measured by this case, which measures {', '.join(alike)}; add what you want to its"
+            " parameters, or correct the name"
+        )
+    return f"is not measured by this case; {nearest(name, known)}"
 
 
 def _unmeasured(name: str, case: Case, known: list[str]) -> str:

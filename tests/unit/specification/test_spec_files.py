@@ -196,7 +196,11 @@ def test_parameters_that_do_not_fit_are_refused() -> None:
             "'allan_minimum' (the curve's lowest point, as in most datasheets) or 'bias_",
         ),
         ("bias_stability_10s: {", "bias_stability: {", "needs its averaging time"),
-        ("bias_stability_10s: {", "bias_stability_9s: {", "did you mean 'bias_stability_1"),
+        (
+            "bias_stability_10s: {",
+            "bias_stability_9s: {",
+            "measures bias_stability_1s, bias_stability_10s; add what you want to its parameters",
+        ),
         ("bias_run_to_run: {", "bias_repeatability: {", "write 'between_repeats: power_cycle'"),
         (
             "repeats: 3",
