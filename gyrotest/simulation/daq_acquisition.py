@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import butter, sosfilt, sosfilt_zi
 
 from gyrotest.simulation.blocks import BlockFlag, BlockWriter
 from gyrotest.simulation.daq_axis import Grid
@@ -37,11 +36,15 @@ class _LowPass:
     """The low-pass in front of one channel: a Butterworth filter of second order."""
 
     def __init__(self, cut_off_hz: float, rate_hz: float) -> None:
+        from scipy.signal import butter
+
         self._sections = butter(2, cut_off_hz, fs=rate_hz, output="sos")
         self._state: NDArray[np.float64] | None = None
 
     def passed(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """What is left of the next values, (n,)."""
+        from scipy.signal import sosfilt, sosfilt_zi
+
         if self._state is None:
             self._state = sosfilt_zi(self._sections) * values[0]
         passed, self._state = sosfilt(self._sections, values, zi=self._state)

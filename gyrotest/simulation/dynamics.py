@@ -12,8 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
-from scipy.signal import lfilter, lfiltic
 
 _STATES = 2
 _TAPS = 4
@@ -91,25 +89,36 @@ class Follower:
         self.ahead = 1 + whole
         rest_s = max(0.0, shift_s - whole * interval_s)
         if dynamics.damping > 0.0:
-            self._taps, self._poles = _held(dynamics, interval_s, rest_s)
+            self._recursion = _held(dynamics, interval_s, rest_s)
         else:
             share = rest_s / interval_s
-            self._taps, self._poles = np.array([share, 1.0 - share]), np.ones(1)
+            self._recursion = _Recursion(taps=np.array([share, 1.0 - share]), poles=np.ones(1))
         self._state: NDArray[np.float64] | None = None
 
     def follow(self, rates_dps: NDArray[np.float64]) -> NDArray[np.float64]:
         """The answers to the next knots, (n,); before the first one the input was what it is there."""
+        from scipy.signal import lfilter, lfiltic
+
+        taps, poles = self._recursion.taps, self._recursion.poles
         if self._state is None:
             before = np.full(_TAPS, rates_dps[0])
-            self._state = lfiltic(self._taps, self._poles, before, before)
-        answers, self._state = lfilter(self._taps, self._poles, rates_dps, zi=self._state)
+            self._state = lfiltic(taps, poles, before, before)
+        answers, self._state = lfilter(taps, poles, rates_dps, zi=self._state)
         return np.asarray(answers)
 
 
-def _held(
-    dynamics: Dynamics, interval_s: float, rest_s: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The recursion, (taps, poles), that gives the answer a time after the knot before the last one."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Recursion:
+    """An answer by the last inputs, weighed by the taps, and the last answers, by the poles."""
+
+    taps: NDArray[np.float64]
+    poles: NDArray[np.float64]
+
+
+def _held(dynamics: Dynamics, interval_s: float, rest_s: float) -> _Recursion:
+    """The recursion that gives the answer a time after the knot before the last one."""
+    from scipy.linalg import expm
+
     natural = 2.0 * math.pi * dynamics.natural_hz
     # The states, the input and its slope, between two knots: d/dt of all four is linear in them.
     flow = np.zeros((_STATES + 2, _STATES + 2))
@@ -117,9 +126,10 @@ def _held(
     flow[1, :3] = [-(natural**2), -2.0 * dynamics.damping * natural, natural**2]
     flow[2, 3] = 1.0
     through, partly = expm(flow * interval_s), expm(flow * rest_s)
-    poles = np.poly(through[:_STATES, :_STATES])
+    poles = np.asarray(np.poly(through[:_STATES, :_STATES]))
     # A numerator is the denominator times the answer to an impulse, which is over after four knots.
-    return np.convolve(poles, _impulse(through, partly, interval_s))[:_TAPS], np.asarray(poles)
+    taps = np.convolve(poles, _impulse(through, partly, interval_s))[:_TAPS]
+    return _Recursion(taps=taps, poles=poles)
 
 
 def _impulse(

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import bilinear, butter, freqz_sos, sosfilt
 
 from gyrotest.errors import StationError, UnitError
 from gyrotest.records.station import Station
@@ -44,6 +43,8 @@ class VibrationTable:
 
     def sections(self, rate_hz: float) -> NDArray[np.float64]:
         """The transfer function from voltage to rate at a sampling rate, as second-order sections, (2, 6)."""
+        from scipy.signal import bilinear, butter
+
         low = butter(2, self.low_edge_hz, btype="highpass", fs=rate_hz, output="sos")
         natural = 2.0 * math.pi * self.resonance_hz
         above, below = bilinear(
@@ -55,6 +56,8 @@ class VibrationTable:
 
     def response(self, frequency_hz: NDArray[np.float64], *, rate_hz: float) -> NDArray[np.complex128]:
         """The table's rate by the drive voltage at frequencies, (n,), deg/s per V."""
+        from scipy.signal import freqz_sos
+
         return np.asarray(freqz_sos(self.sections(rate_hz), frequency_hz, fs=rate_hz)[1])
 
     @property
@@ -116,6 +119,8 @@ class Shaken:
 
     def take(self, count: int) -> Knots:
         """The next knots."""
+        from scipy.signal import sosfilt
+
         driven_v = self._drive.drive_v(
             self._next, count, origin_s=self._origin_s, interval_s=self._interval_s
         )
