@@ -2,7 +2,7 @@
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -41,7 +41,6 @@ class Stage:
     reading_s: float = 0.0
     stops: bool = True
     enabled: int = 0
-    seen_deg: list[float] = field(default_factory=list)
 
     def open(self) -> Identity:
         return Identity(manufacturer="none", model="stage", serial_number="SIM1")

@@ -1,6 +1,8 @@
 """The simulated bench: units drawn by name, truth, scenarios, complaints about the station."""
 
 import math
+import subprocess
+import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -304,3 +306,17 @@ def test_a_gyro_that_puts_out_rates_is_sent_to_another_station() -> None:
 def test_a_voltage_without_its_scale_factor_is_refused() -> None:
     with pytest.raises(StationError, match=r"the spec has no 'output\.scale_factor'"):
         SimulatedBench(station(), spec_of(Output(kind=OutputKind.VOLTAGE)))
+
+
+def test_every_start_with_a_simulated_station_is_spared_what_only_its_motion_needs() -> None:
+    program = (
+        "import sys\n"
+        "from gyrotest.simulation.complaints import simulation_faults\n"
+        "from gyrotest.specification.lookup import shipped_specs\n"
+        "from gyrotest.specification.station import load_station\n"
+        "station = load_station(shipped_specs() / 'stations' / 'simulated.yaml').station\n"
+        "assert not simulation_faults(station)\n"
+        "print('scipy' in sys.modules)"
+    )
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert run.stdout == "False\n"
