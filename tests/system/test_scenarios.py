@@ -28,7 +28,7 @@ RECOVERED = {
     "meter-disconnects": ("connection lost", 1),
     "garbled-replies": ("the reply", 3),
 }
-# What strikes no meter: digital gyros, synchronous sources, tables, supplies, chambers, each with tests of its own.
+# What strikes digital gyros, synchronous sources, tables, supplies or chambers has tests of its own elsewhere.
 ELSEWHERE = {
     *("lost-frames", "lost-counter-period", "bad-crc", "garbage-on-the-line", "unplugged"),
     *("overload-status", "channel-error", "wrong-baud-rate", "other-device", "other-configuration"),

@@ -37,8 +37,7 @@ def signals(angle_deg: np.ndarray, ellipse: Ellipse = FAULTY, noise: float = 0.0
             ellipse.cosine_offset + ellipse.cosine_amplitude * np.cos(phase + ellipse.quadrature_error),
         )
     )
-    noisy = clean + noise * np.random.default_rng(3).normal(size=clean.shape)
-    return noisy
+    return clean + noise * np.random.default_rng(3).normal(size=clean.shape)
 
 
 def fitted(both: np.ndarray, block: int = 4096) -> Ellipse:
