@@ -26,7 +26,7 @@ class Plausibility:
     def push(self, block: Block) -> None:
         """Look at a block; raises `OverloadError` or `InstrumentProtocolError`."""
         self._refuse_flags(block)
-        if self._sampling.noise and not self._may_saturate and block.flags.size:
+        if self._sampling.noise and not self._may_saturate:
             self._refuse_stuck(block)
 
     def _refuse_flags(self, block: Block) -> None:
@@ -51,18 +51,12 @@ class Plausibility:
         return f"sample {at} is not a number; look at the wiring and the source"
 
     def _refuse_stuck(self, block: Block) -> None:
-        values = block.values[:, 0]
-        before = values[:-1] if self._last is None else np.concatenate(([self._last], values[:-1]))
-        first = len(values) - len(before)
-        changed = np.flatnonzero(values[first:] != before) + first
-        # A sample's repetitions are counted from the last one that was another, perhaps in an earlier block.
-        begun = 0 if self._last is None else -1 - self._repeated
-        starts = np.concatenate(([begun], changed))
-        ends = np.concatenate((changed - 1, [len(values) - 1]))
-        stuck = np.flatnonzero(ends - starts >= STUCK_AFTER)
-        self._repeated, self._last = int(ends[-1] - starts[-1]), float(values[-1])
-        if stuck.size:
-            raise InstrumentProtocolError(
-                f"{self._name}: the reading is stuck at {values[ends[stuck[0]]]:.9g} {self._sampling.unit} for"
-                f" {STUCK_AFTER} samples; is the meter triggered and the gyro powered?"
-            )
+        # Step by step: most blocks of a meter are one sample, for which arrays cost ten times as much.
+        for value in block.values[:, 0].tolist():
+            self._repeated = self._repeated + 1 if value == self._last else 0
+            self._last = value
+            if self._repeated >= STUCK_AFTER:
+                raise InstrumentProtocolError(
+                    f"{self._name}: the reading is stuck at {value:.9g} {self._sampling.unit} for"
+                    f" {STUCK_AFTER} samples; is the meter triggered and the gyro powered?"
+                )
