@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from gyrotest.errors import InstrumentError
-from gyrotest.instruments.transport.channel import Channel, SerialLine
 from gyrotest.instruments.transport.visa import open_channel
 from gyrotest.simulation.server import has_pty
 from gyrotest.units import Quantity
+from tests.instruments.cut import Cut
 from tests.instruments.exciter_bench import Served, served
 
 needs_pty = pytest.mark.skipif(not has_pty(), reason="this platform has no pseudo-terminals")
@@ -101,40 +101,11 @@ def test_a_level_that_the_generator_does_not_give_into_its_load_is_refused() -> 
             drive.sine(rms_dps=140.0, frequency_hz=7.0)
 
 
-class Cut:
-    """Ways to the generator that break when they are told to; `later`: those opened afterwards too."""
-
-    def __init__(self) -> None:
-        self.later = False
-        self.broken: set[int] = set()
-        self.opened = 0
-
-    def cut(self, *, later: bool) -> None:
-        self.broken = set(range(self.opened + 1))
-        self.later = later
-
-    def connect(self, resource: str, line: SerialLine, timeout_s: float) -> Channel:
-        if self.later:
-            raise InstrumentError(f"{resource}: cannot be opened")
-        self.opened += 1
-        number = self.opened
-        channel = open_channel(resource, line, timeout_s)
-        send = channel.send
-
-        def send_or_break(data: bytes) -> None:
-            if number in self.broken:
-                raise ConnectionResetError("reset by peer")
-            send(data)
-
-        channel.send = send_or_break  # type: ignore[method-assign]
-        return channel
-
-
 @pytest.mark.parametrize("later", [False, True])
 def test_an_output_whose_connection_broke_is_switched_off_over_a_new_one_or_by_the_guard(
     later: bool,
 ) -> None:
-    cut = Cut()
+    cut = Cut(open_channel)
     with served() as bench, closing(bench.driver(connect=cut.connect)) as drive:
         drive.open()
         drive.sine(rms_dps=10.0, frequency_hz=7.0)

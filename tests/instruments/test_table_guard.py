@@ -14,10 +14,10 @@ from gyrotest.errors import InstrumentError
 from gyrotest.instruments.acutrol3000 import Acutrol3000, Acutrol3000Settings
 from gyrotest.instruments.aerosmith import Aerosmith, AerosmithSettings
 from gyrotest.instruments.guard import Guard, Orders, stop_table
-from gyrotest.instruments.transport.channel import Channel, SerialLine
 from gyrotest.instruments.transport.serial_port import open_commands_only
 from gyrotest.ports import RateTable
 from gyrotest.simulation.server import has_pty
+from tests.instruments.cut import Cut
 from tests.instruments.table_bench import Served, motion, served
 
 needs_pty = pytest.mark.skipif(not has_pty(), reason="this platform has no pseudo-terminals")
@@ -71,35 +71,6 @@ def test_a_killed_run_leaves_the_table_at_rest(kind: str, pty: bool) -> None:
         assert bench.table.read_rate_dps() == pytest.approx(0.0, abs=0.01)
 
 
-class Cut:
-    """Ways to the controller that break when they are told to; `later`: those that are opened afterwards too."""
-
-    def __init__(self) -> None:
-        self.later = False
-        self.broken: set[int] = set()
-        self.opened = 0
-
-    def cut(self, *, later: bool) -> None:
-        self.broken = set(range(self.opened + 1))
-        self.later = later
-
-    def connect(self, resource: str, line: SerialLine, timeout_s: float) -> Channel:
-        if self.later:
-            raise InstrumentError(f"{resource}: cannot be opened")
-        self.opened += 1
-        number = self.opened
-        channel = open_commands_only(resource, line, timeout_s)
-        send = channel.send
-
-        def send_or_break(data: bytes) -> None:
-            if number in self.broken:
-                raise ConnectionResetError("reset by peer")
-            send(data)
-
-        channel.send = send_or_break  # type: ignore[method-assign]
-        return channel
-
-
 def turning(bench: Served, cut: Cut) -> RateTable:
     table: RateTable
     if bench.kind == "aerosmith":
@@ -131,7 +102,7 @@ LOST = r"connection lost at .* see that the table is at rest"
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_table_whose_connection_broke_is_stopped_over_a_new_one(kind: str) -> None:
-    cut = Cut()
+    cut = Cut(open_commands_only)
     with served(kind, pty=kind == "aerosmith") as bench, closing(turning(bench, cut)) as table:
         cut.cut(later=False)
         with pytest.raises(InstrumentError, match=LOST):
@@ -144,7 +115,7 @@ def test_a_table_whose_connection_broke_is_stopped_over_a_new_one(kind: str) -> 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_table_that_this_process_cannot_reach_any_more_is_stopped_by_the_guard(kind: str) -> None:
-    cut = Cut()
+    cut = Cut(open_commands_only)
     with served(kind, pty=kind == "aerosmith") as bench, closing(turning(bench, cut)) as table:
         cut.cut(later=True)
         with pytest.raises(InstrumentError, match=LOST):

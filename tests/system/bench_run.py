@@ -24,6 +24,25 @@ from gyrotest.specification.spec import load_spec
 from gyrotest.specification.station import load_station
 
 SERIAL_NUMBER = "1234"
+# The stage turns 12 degrees a second, so that a turn lasts 30 s.
+SHORT_TURN = """
+model: SHORT50
+output:
+  kind: voltage
+  scale_factor: 50 mV/(deg/s)
+  scale_factor_uncertainty: 0.5 %
+  zero_rate: 2.5 V
+  full_scale: 100 deg/s
+  bandwidth: 50 Hz
+cases:
+  gravity:
+    procedure: g_sensitivity
+    duration: 2 s
+    interval: 20 ms
+    repeats: 2
+    parameters: {rate: 12 deg/s, run_up: 15 deg, turns: 1}
+    limits: {g_sensitivity_x: {min: -0.5 deg/s/g, max: 0.5 deg/s/g, over: repeats}}
+"""
 
 
 @dataclass

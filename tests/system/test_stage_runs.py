@@ -19,29 +19,10 @@ from gyrotest.simulation.table import SimulatedTable
 from gyrotest.simulation.table_peer import TablePeer
 from gyrotest.specification.lookup import shipped_specs
 
-from .bench_run import BenchRun, bench_run
+from .bench_run import SHORT_TURN, BenchRun, bench_run
 
 STATION = (shipped_specs() / "stations" / "simulated.yaml").read_text("utf-8")
 needs_pty = pytest.mark.skipif(not has_pty(), reason="this platform has no pseudo-terminals")
-# A stage turns 12 degrees a second, so that a turn lasts 30 s.
-SPEC = """
-model: SHORT50
-output:
-  kind: voltage
-  scale_factor: 50 mV/(deg/s)
-  scale_factor_uncertainty: 0.5 %
-  zero_rate: 2.5 V
-  full_scale: 100 deg/s
-  bandwidth: 50 Hz
-cases:
-  gravity:
-    procedure: g_sensitivity
-    duration: 2 s
-    interval: 20 ms
-    repeats: 2
-    parameters: {rate: 12 deg/s, run_up: 15 deg, turns: 1}
-    limits: {g_sensitivity_x: {min: -0.5 deg/s/g, max: 0.5 deg/s/g, over: repeats}}
-"""
 FIRST, SECOND, BOTH = "gravity-1234-r1", "gravity-1234-r2", "gravity-1234-repeats"
 TABLES = ["driver: acutrol3000", pytest.param("driver: aerosmith", marks=needs_pty)]
 
@@ -96,7 +77,7 @@ def once(ran: BenchRun, due: Callable[[float], bool], strike: Callable[[], None]
 
 @pytest.mark.parametrize("driver", TABLES)
 def test_a_stage_turns_within_its_turn_and_the_record_says_how(tmp_path: Path, driver: str) -> None:
-    with bench_run(tmp_path, SPEC, with_stage(driver)) as ran:
+    with bench_run(tmp_path, SHORT_TURN, with_stage(driver)) as ran:
         seen = angles_deg(ran)
         record = ran.carry_out()
         assert ran.said == {}
@@ -127,7 +108,7 @@ OF_STAGES = {
 def test_a_stage_that_fails_is_said_each_time_and_left_at_rest(
     tmp_path: Path, scenario: str, driver: str
 ) -> None:
-    with bench_run(tmp_path, SPEC, with_stage(driver), scenario=scenario) as ran:
+    with bench_run(tmp_path, SHORT_TURN, with_stage(driver), scenario=scenario) as ran:
         seen = angles_deg(ran)
         record = ran.carry_out()
         for item in (FIRST, SECOND):
@@ -146,7 +127,7 @@ def test_a_stage_that_fails_is_said_each_time_and_left_at_rest(
 
 
 def test_a_stage_whose_connection_is_lost_is_stopped_over_another_and_used_again(tmp_path: Path) -> None:
-    with bench_run(tmp_path, SPEC, STATION) as ran:
+    with bench_run(tmp_path, SHORT_TURN, STATION) as ran:
         stage = stage_of(ran)
         seen = angles_deg(ran)
         port = int(ran.simulated.address("stage").split("::")[2])
@@ -218,7 +199,7 @@ def without(*keys: str) -> str:
 def test_what_a_station_lacks_for_a_stage_is_refused_at_the_door_with_what_to_add(
     tmp_path: Path, station: str, said: str
 ) -> None:
-    with pytest.raises(RefusedError) as caught, bench_run(tmp_path, SPEC, station):
+    with pytest.raises(RefusedError) as caught, bench_run(tmp_path, SHORT_TURN, station):
         raise AssertionError("the door is open")
     assert said in str(caught.value)
     assert str(caught.value).startswith("gravity: ")
@@ -248,7 +229,7 @@ def by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("by_hand")
 def test_the_operator_is_asked_between_the_mountings_and_the_record_says_so(tmp_path: Path) -> None:
-    with bench_run(tmp_path, SPEC, STATION) as ran:
+    with bench_run(tmp_path, SHORT_TURN, STATION) as ran:
         operator = Operator(ran)
         ran.run.confirm = operator.confirm
         record = ran.carry_out()
@@ -268,7 +249,7 @@ def test_the_operator_is_asked_between_the_mountings_and_the_record_says_so(tmp_
 def test_a_run_that_begins_with_the_second_mounting_asks_for_it_and_again_for_the_first(
     tmp_path: Path,
 ) -> None:
-    with bench_run(tmp_path, SPEC, STATION) as ran:
+    with bench_run(tmp_path, SHORT_TURN, STATION) as ran:
         operator = Operator(ran)
         ran.run.confirm = operator.confirm
         first, second, _ = ran.run.header.plan
@@ -284,7 +265,7 @@ def test_a_run_that_begins_with_the_second_mounting_asks_for_it_and_again_for_th
 
 @pytest.mark.usefixtures("by_hand")
 def test_an_operator_who_stops_ends_the_acquisition_and_is_asked_again(tmp_path: Path) -> None:
-    with bench_run(tmp_path, SPEC, STATION) as ran:
+    with bench_run(tmp_path, SHORT_TURN, STATION) as ran:
         refusing, willing = Operator(ran, willing=False), Operator(ran)
         ran.run.confirm = refusing.confirm
         ran.carry_out()
@@ -303,7 +284,7 @@ def test_an_operator_who_stops_ends_the_acquisition_and_is_asked_again(tmp_path:
 
 @pytest.mark.usefixtures("by_hand")
 def test_what_stands_in_the_record_tells_how_the_unit_was_mounted_last(tmp_path: Path) -> None:
-    with bench_run(tmp_path, SPEC, STATION) as ran:
+    with bench_run(tmp_path, SHORT_TURN, STATION) as ran:
         ran.run.confirm = Operator(ran).confirm
         second: PlannedItem = ran.run.header.plan[1]
         ran.run.judge(second, ran.run.acquire(second))

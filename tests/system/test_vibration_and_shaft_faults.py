@@ -19,7 +19,7 @@ from gyrotest.simulation.generator_peer import GeneratorPeer
 from gyrotest.simulation.table_peer import TablePeer
 from gyrotest.specification.lookup import shipped_specs
 
-from .bench_run import BenchRun, bench_run
+from .bench_run import SHORT_TURN, BenchRun, bench_run
 
 Rows = NDArray[np.float64]
 Spoil = Callable[[Rows], Rows]
@@ -80,24 +80,6 @@ instruments:
     accuracy: {of_reading: 100 ppm}
 slots:
   a: {source: tape, channel: gyro, encoder: {sine: ua, cosine: ub, lines: 9000}}
-"""
-GRAVITY = """
-model: MEMS50
-output:
-  kind: voltage
-  scale_factor: 50 mV/(deg/s)
-  scale_factor_uncertainty: 0.5 %
-  zero_rate: 2.5 V
-  full_scale: 100 deg/s
-  bandwidth: 50 Hz
-cases:
-  gravity:
-    procedure: g_sensitivity
-    duration: 2 s
-    interval: 20 ms
-    repeats: 2
-    parameters: {rate: 12 deg/s, run_up: 15 deg, turns: 1}
-    limits: {g_sensitivity_x: {min: -0.5 deg/s/g, max: 0.5 deg/s/g, over: repeats}}
 """
 SHAFT = (shipped_specs() / "stations" / "simulated.yaml").read_text("utf-8")
 SHAFT_TAPE = """
@@ -187,7 +169,7 @@ def vibrated(tmp_path_factory: pytest.TempPathFactory) -> Rows:
 @pytest.fixture(scope="module")
 def turned(tmp_path_factory: pytest.TempPathFactory) -> Rows:
     """Output and angle: both mountings, 2950 samples each."""
-    return taken(tmp_path_factory.mktemp("turned"), GRAVITY, SHAFT, ("output", "encoder_angle"))
+    return taken(tmp_path_factory.mktemp("turned"), SHORT_TURN, SHAFT, ("output", "encoder_angle"))
 
 
 # The simulated bench's faults
@@ -221,7 +203,7 @@ def test_a_vibration_that_fails_ends_without_a_number(tmp_path: Path, scenario: 
 
 @pytest.mark.parametrize("scenario", OF_SHAFT)
 def test_a_turn_that_fails_ends_without_a_number(tmp_path: Path, scenario: str) -> None:
-    found = ended(tmp_path, GRAVITY, SHAFT, scenario=scenario)
+    found = ended(tmp_path, SHORT_TURN, SHAFT, scenario=scenario)
     for item in (FIRST, SECOND):
         assert OF_SHAFT[scenario] in found.said[item]
         assert found.attempts[item].results == ()
@@ -229,7 +211,7 @@ def test_a_turn_that_fails_ends_without_a_number(tmp_path: Path, scenario: str) 
 
 
 def test_losses_beyond_the_allowance_end_a_turn(tmp_path: Path) -> None:
-    spec = swapped(GRAVITY, "interval: 20 ms", "interval: 20 ms\n    allowed_loss: 10 ppm")
+    spec = swapped(SHORT_TURN, "interval: 20 ms", "interval: 20 ms\n    allowed_loss: 10 ppm")
     found = ended(tmp_path, spec, SHAFT, scenario="daq-bad-block")
     assert "10 ppm are allowed" in found.said[FIRST]
     assert found.record.verdict is Verdict.INCOMPLETE
@@ -276,7 +258,7 @@ def test_ctrl_c_in_mid_vibration_leaves_the_generator_off_and_keeps_the_record(t
 
 
 def test_ctrl_c_in_mid_turn_leaves_the_stage_at_rest(tmp_path: Path) -> None:
-    with bench_run(tmp_path, GRAVITY, SHAFT) as ran:
+    with bench_run(tmp_path, SHORT_TURN, SHAFT) as ran:
         ran.simulated.address("stage")
         peer = ran.simulated._peers["stage"]
         assert isinstance(peer, TablePeer)
@@ -440,7 +422,7 @@ def unconnected(rows: Rows) -> Rows:
 def test_a_spoiled_turn_gives_a_clear_error_and_no_number(
     tmp_path: Path, turned: Rows, spoil: Spoil, station: str, said: str
 ) -> None:
-    found = played(tmp_path, spoil(turned), GRAVITY, station)
+    found = played(tmp_path, spoil(turned), SHORT_TURN, station)
     assert said in found.said[FIRST]
     assert found.attempts[FIRST].results == ()
     assert found.record.verdict is Verdict.INCOMPLETE
@@ -459,7 +441,7 @@ def test_a_grating_that_loses_its_signal_in_a_turn_is_told_with_the_step(
         "{angle: {column: 2, unit: deg}}",
         "{ua: {column: 2, unit: V}, ub: {column: 3, unit: V}}",
     )
-    found = played(tmp_path, np.column_stack((turned[:, 0], signals)), GRAVITY, station)
+    found = played(tmp_path, np.column_stack((turned[:, 0], signals)), SHORT_TURN, station)
     assert "step 'turn 1 forward': the encoder's signal is lost in 3 samples" in found.said[FIRST]
     assert found.attempts[SECOND].outcome is Outcome.PASSED
     assert found.record.verdict is Verdict.INCOMPLETE
@@ -467,7 +449,7 @@ def test_a_grating_that_loses_its_signal_in_a_turn_is_told_with_the_step(
 
 def test_one_recording_taken_for_both_mountings_is_refused(tmp_path: Path, turned: Rows) -> None:
     once = turned[: len(turned) // 2]
-    found = played(tmp_path, np.concatenate((once, once)), GRAVITY, SHAFT_TAPE)
+    found = played(tmp_path, np.concatenate((once, once)), SHORT_TURN, SHAFT_TAPE)
     assert "repeats 1 and 2 hold the same samples" in found.said[BOTH]
     assert found.attempts[FIRST].outcome is Outcome.PASSED
     assert found.record.verdict is Verdict.INCOMPLETE
@@ -477,6 +459,6 @@ def test_a_meter_does_not_read_what_turns(tmp_path: Path) -> None:
     station = SHAFT.replace("    source: shaft_daq\n", "    source: meter\n")
     with (
         pytest.raises(RefusedError, match="sampled at the same instants"),
-        bench_run(tmp_path, GRAVITY, station),
+        bench_run(tmp_path, SHORT_TURN, station),
     ):
         raise AssertionError("the door is open")
