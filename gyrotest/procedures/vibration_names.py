@@ -32,7 +32,20 @@ AGAINST_THE_SIGN = (
 )
 """What is to be said of a response that is the other way round."""
 
+_OFF_LEVEL = 0.3
 _DIGITS = 9
+
+
+def level_remarks(moved_dps: float, asked_dps: float) -> Iterator[str]:
+    """Tell of a table that moved far from the level asked for, both rms, °/s.
+
+    A table's own response makes a part of the band larger or smaller; lines that are stated wrongly, all of it.
+    """
+    if abs(moved_dps / asked_dps - 1.0) > _OFF_LEVEL:
+        yield (
+            f"In the band the table moved with {plain(moved_dps, 3)} °/s rms, and was asked for"
+            f" {plain(asked_dps, 4)} °/s; the encoder's rate is used. Are the lines of its grating stated rightly?"
+        )
 
 
 def frequency_key(frequency_hz: float) -> str:

@@ -7,13 +7,12 @@ import numpy as np
 from gyrotest.procedures.random_vibration.measured import MeasuredResponse
 from gyrotest.procedures.random_vibration.parameters import RandomVibrationParameters
 from gyrotest.procedures.random_vibration.stretches import stretches_of
-from gyrotest.procedures.vibration_names import AGAINST_THE_SIGN
+from gyrotest.procedures.vibration_names import AGAINST_THE_SIGN, level_remarks
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 
 _MOST_NAMED = 12
 _COMMON_MOTION = 0.3
-_OFF_LEVEL = 0.3
 _MINUS = "\N{MINUS SIGN}"
 
 
@@ -22,7 +21,7 @@ def response_remarks(measured: MeasuredResponse, context: Context) -> Iterator[s
     if measured.inverted:
         yield AGAINST_THE_SIGN
     yield from _left_out(measured, context)
-    yield from _level(measured, context)
+    yield from level_remarks(measured.rate_dps, context.parameters.level.to("deg/s"))
     yield from _at_rest(measured)
     yield from _lack_of_fit(measured, context)
     missing = sum(gap.missing for gap in context.gaps)
@@ -46,15 +45,6 @@ def _left_out(measured: MeasuredResponse, context: Context) -> Iterator[str]:
 def _span(frequencies_hz: np.ndarray) -> str:
     first, last = plain(float(frequencies_hz[0]), 6), plain(float(frequencies_hz[-1]), 6)
     return first if first == last else f"{first} … {last}"
-
-
-def _level(measured: MeasuredResponse, context: Context) -> Iterator[str]:
-    asked_dps = context.parameters.level.to("deg/s")
-    if abs(measured.rate_dps / asked_dps - 1.0) > _OFF_LEVEL:
-        yield (
-            f"In the band the table moved with {plain(measured.rate_dps, 3)} °/s rms, and was asked for"
-            f" {plain(asked_dps, 4)} °/s; the encoder's rate is used. Are the lines of its grating stated rightly?"
-        )
 
 
 def _at_rest(measured: MeasuredResponse) -> Iterator[str]:

@@ -1,16 +1,16 @@
 """What is to be said of a sine-vibration case beside its results."""
 
 from collections.abc import Iterator
+from statistics import median
 
 from gyrotest.procedures.sine_vibration.measured import MeasuredSines
 from gyrotest.procedures.vibration_inspection import step_words
-from gyrotest.procedures.vibration_names import AGAINST_THE_SIGN
+from gyrotest.procedures.vibration_names import AGAINST_THE_SIGN, level_remarks
 from gyrotest.procedures.wording import plain
 from gyrotest.records.plan import Context
 
 _WORTH_TELLING = 1e-4
 _DISTORTED = 0.05
-_OFF_LEVEL = 0.1
 _ROOT_2 = 2.0**0.5
 
 
@@ -33,19 +33,9 @@ def _missing(measured: MeasuredSines) -> Iterator[str]:
 
 
 def _level(measured: MeasuredSines, context: Context) -> Iterator[str]:
-    asked_dps = context.parameters.level.to("deg/s")
-    off = {
-        one.asked_hz: one.response.rate_dps / _ROOT_2
-        for one in measured.points
-        if abs(one.response.rate_dps / _ROOT_2 / asked_dps - 1.0) > _OFF_LEVEL
-    }
-    if off:
-        low, high = plain(min(off.values()), 3), plain(max(off.values()), 3)
-        found = low if low == high else f"{low} … {high}"
-        yield (
-            f"The table moved with {found} °/s rms at {_named(off)} Hz, and was asked for"
-            f" {plain(asked_dps, 4)} °/s; the encoder's rate is used. Are the lines of its grating stated rightly?"
-        )
+    """By the middle one of all frequencies; each one's level stands beside its results."""
+    moved_dps = median(one.response.rate_dps for one in measured.points) / _ROOT_2
+    yield from level_remarks(moved_dps, context.parameters.level.to("deg/s"))
 
 
 def _frequency(measured: MeasuredSines) -> Iterator[str]:
